@@ -1,9 +1,9 @@
-"""Bisection of a threshold: the value of a parameter at which a scene's outcome changes between standing and falling.
+"""Find a threshold by bisection: the value of a parameter at which a scene's outcome changes.
 
-The search tries both ends of the parameter's interval first. If their outcomes agree, or a tried value has no outcome,
-the search reports the reason why there is no threshold, instead of a number. Otherwise the search halves the bracket,
-the interval that contains the threshold, until the bracket is no wider than the tolerance. The search keeps no state:
-each step follows from the answers so far, so that a caller can resume a search.
+The search tries both ends of the parameter's interval first. If the outcomes at both ends agree, or a tried value has
+no outcome, the search reports why there is no threshold. Otherwise the search halves the bracket, the interval that
+contains the threshold. The search ends when the bracket is no wider than the tolerance. ``Bisection`` keeps no state,
+so that a caller can resume a search: each step follows from the answers so far.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ short."""
 
 
 class Bracket(NamedTuple):
-    """The state of a search for a threshold."""
+    """State of a search for a threshold."""
 
     low: float
     """Lower end of the interval in which the answer changes, if there is a threshold."""
@@ -50,7 +50,7 @@ class Bracket(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Bisection:
-    """A search for the threshold between ``low`` and ``high``, to within ``tolerance``."""
+    """Search for the threshold between ``low`` and ``high``, to within ``tolerance``."""
 
     low: float
     high: float
@@ -66,7 +66,7 @@ class Bisection:
         """Return the bracket that follows from the answers so far.
 
         Args:
-            answers: for each tried value, True if the scene stood, False if it fell, None if the trial has no answer.
+            answers: by tried value: True if the scene stood, False if the scene fell, None if the trial has no answer.
         """
         low, high = self.low, self.high
         missing = tuple(value for value in (low, high) if value not in answers)

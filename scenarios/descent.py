@@ -1,13 +1,16 @@
 """Straight descent of one convex body onto another, exact for every shape.
 
-A point a of the upper body lies straight above a point b of the lower body if a - b = (0, 0, h), and the smallest such
-h is the distance by which the upper body can sink. All differences a - b fill a convex set D, whose support points are
-differences of the bodies' support points. So h is the height at which the z axis enters D:
+A point a of the upper body lies straight above a point b of the lower body if a - b = (0, 0, h). The upper body can
+sink by the smallest h of all pairs of points. All differences a - b fill a convex set D. The farthest point of D along
+a direction (a support point) is the difference of the bodies' support points. The smallest h is the height at which the
+z axis enters D from below:
 
-1. A triangle of points of D is found around the z axis, seen from above (the distance algorithm of Gilbert, Johnson and
-   Keerthi in two dimensions); if D lies beside the axis, no part of one body is above the other.
-2. The triangle is lowered: of the plane through it, the lowest point of D replaces one corner, so that the triangle
-   stays around the axis, until no point of D lies below its plane (portal refinement).
+1. The distance algorithm of Gilbert, Johnson and Keerthi, in two dimensions, finds a triangle of points of D around the
+   z axis, seen from above. If the algorithm finds no triangle, D lies beside the axis, and no part of one body is above
+   the other body.
+2. Portal refinement lowers the triangle until no point of D lies below the triangle's plane: the point of D that is
+   farthest below the plane replaces a corner. The refinement chooses the corner so that the triangle stays around the
+   axis.
 """
 
 from __future__ import annotations
@@ -47,16 +50,16 @@ class Placed:
     """Rotation matrix from the own frame to the world's, shape (3, 3)."""
 
     def support(self, direction: FloatArray) -> FloatArray:
-        """Return a farthest point [m] along a direction (3,), shape (3,)."""
+        """Return a point (3,) [m] of the body that is farthest along ``direction`` (3,)."""
         local = support_points(self.shape, self.size, (direction @ self.turn)[None])[0]
         farthest: FloatArray = self.center + self.turn @ local
         return farthest
 
 
 def lowest_difference(upper: Placed, lower: Placed) -> float:
-    """Return the distance [m] by which a body can sink straight down to another; infinite if it is not above it.
+    """Return the distance [m] by which the upper body can sink straight down to the lower body.
 
-    The distance is negative if the upper body must rise to come free.
+    The distance is infinite if no part of the upper body is above the lower body, and negative if the bodies overlap.
     """
 
     def support(direction: FloatArray) -> FloatArray:
@@ -67,7 +70,7 @@ def lowest_difference(upper: Placed, lower: Placed) -> float:
 
 
 def _around_axis(support: SupportOf, inner: FloatArray) -> FloatArray | None:
-    """Return three points (3, 3) of the set whose triangle, seen from above, is around the z axis; None without any."""
+    """Return a triangle (3, 3) of the set around the z axis, seen from above; None if the set lies beside the axis."""
     toward = -inner[:2] if np.hypot(*inner[:2]) > GRAZE else np.array([1.0, 0.0])
     points = [support(np.append(toward, 0.0))]
     for _ in range(_MOST_STEPS):
@@ -91,8 +94,8 @@ def _around_axis(support: SupportOf, inner: FloatArray) -> FloatArray | None:
 def _is_flush(points: list[FloatArray], support: SupportOf) -> bool:
     """Return whether the axis lies within ``GRAZE`` of the border of the set's outline, seen from above.
 
-    The polygon of known points grows over its edge that is nearest to the axis, until that edge is farther away than
-    ``GRAZE``, or lies on the border.
+    The polygon of known points gets one more corner beyond the edge that is nearest to the axis. The search ends when
+    this edge is farther from the axis than ``GRAZE``, or lies on the border.
     """
     polygon = [point[:2] for point in points]
     if _turns(polygon[1] - polygon[0], polygon[2] - polygon[0]) < 0:
@@ -114,7 +117,7 @@ def _is_flush(points: list[FloatArray], support: SupportOf) -> bool:
 
 
 def _aside(points: list[FloatArray]) -> FloatArray:
-    """Return a horizontal direction from a point or a segment that meets the axis, (2,)."""
+    """Return the horizontal direction (2,) across a segment that meets the axis; x for a single point."""
     if len(points) == 1:
         return np.array([1.0, 0.0])
     x, y = (points[1] - points[0])[:2].tolist()
@@ -122,7 +125,7 @@ def _aside(points: list[FloatArray]) -> FloatArray:
 
 
 def _nearest(points: list[FloatArray]) -> tuple[FloatArray, list[FloatArray]]:
-    """Return the horizontal vector to the axis from the nearest point of a simplex, and the corners that span it."""
+    """Return the horizontal vector to the axis from a simplex's nearest point, and the corners around this point."""
     if len(points) == 1:
         return -points[0][:2], points
     if len(points) == 2:
@@ -146,7 +149,7 @@ def _turns(one: FloatArray, other: FloatArray) -> float:
 
 
 def _is_around(first: FloatArray, second: FloatArray, third: FloatArray) -> bool:
-    """Return whether the triangle of three points that are not in line, seen from above, is around the axis."""
+    """Return whether three points span a triangle around the axis, seen from above."""
     area = _turns(second - first, third - first)
     sides = np.array([_turns(first, second), _turns(second, third), _turns(third, first)])
     longest = max(np.hypot(*point[:2]) for point in (first, second, third))
@@ -154,7 +157,7 @@ def _is_around(first: FloatArray, second: FloatArray, third: FloatArray) -> bool
 
 
 def _lowered(triangle: FloatArray, support: SupportOf) -> float:
-    """Return the height [m] at which the axis enters the set, from a triangle of the set around the axis."""
+    """Return the height [m] at which the axis enters the set; start from a ``triangle`` of the set around the axis."""
     height = np.inf
     for _ in range(_MOST_STEPS):
         slope_x, slope_y, height = np.linalg.solve(np.column_stack([triangle[:, :2], np.ones(3)]), triangle[:, 2])
@@ -170,7 +173,7 @@ def _lowered(triangle: FloatArray, support: SupportOf) -> float:
 
 
 def _inside(triangle: FloatArray) -> float:
-    """Return how far the axis lies inside a triangle, seen from above: the least share of a corner, at most 1/3."""
+    """Return the axis's least barycentric coordinate in a triangle, seen from above; at most 1/3, negative outside."""
     first, second, third = triangle
     area = _turns(second - first, third - first)
     if abs(area) <= _THIN * max(float(point[:2] @ point[:2]) for point in triangle):

@@ -1,7 +1,6 @@
-"""The two divisions of scenes: scenes on which profiles were tuned, and held-out scenes.
+"""The two divisions of scenes: tuned scenes, on which maintainers tuned profiles, and held-out scenes.
 
-Reports show the success rate on held-out scenes beside the rate on tuned scenes, because a tuned profile may be correct
-only on the scenes on which it was tuned.
+Reports show the success rate of each division, because a tuned profile may be correct on tuned scenes only.
 """
 
 from __future__ import annotations

@@ -1,12 +1,13 @@
-"""Oriented boxes: the height of a box above another, and the shift that lowers a rigid group onto its support.
+"""Oriented boxes: the height of a box above another box, and the shift that lowers a rigid group onto its support.
 
-Bodies of other shapes count with their exact shape (``scenarios.descent``). The rest of this text is about boxes.
+Bodies of other shapes count with their exact shape (see ``scenarios.descent``). For boxes:
 
-A point a of the upper box lies straight above a point b of the lower box if a - b = (0, 0, h). The smallest height h of
-all such pairs is the distance by which the upper box can sink. All differences a - b fill a zonotope: the difference of
-the centres plus the six half axes of both boxes, each times a factor from -1 to 1. The zonotope's facets are normal to
-the cross products of two half axes (a face on a corner, or an edge on an edge). So the smallest h is the height at
-which the z axis enters the zonotope: the highest point in which the axis meets the planes of the fifteen lower facets.
+A point a of the upper box lies straight above a point b of the lower box if a - b = (0, 0, h). The upper box can sink
+by the smallest h of all pairs of points. All differences a - b fill a zonotope: the difference of the centres plus the
+six half axes of both boxes, each times a factor from -1 to 1. The normals of the zonotope's facets are the cross
+products of two half axes (a face on a corner, or an edge on an edge). The smallest h is the height at which the z axis
+enters the zonotope from below. The axis enters at the highest of its intersections with the planes of the fifteen lower
+facets.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ _GRAZE = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Boxes:
-    """Oriented boxes, one row a box."""
+    """Oriented boxes, a row for each box."""
 
     center: FloatArray
     """Centres [m], shape (n, 3)."""
@@ -120,7 +121,7 @@ def height_of_top(boxes: Boxes) -> FloatArray:
 
 
 def _heights(boxes: Boxes, side: float) -> FloatArray:
-    """Return the height [m] of each body's highest point, or with ``side`` -1 of its lowest point, shape (n,)."""
+    """Return the height [m] of each body's highest point (``side`` 1) or lowest point (``side`` -1), shape (n,)."""
     heights: FloatArray = boxes.center[:, 2] + side * boxes.reach[:, 2]
     for row, body in enumerate(boxes.placed or ()):
         if body.shape != "box":
@@ -131,8 +132,8 @@ def _heights(boxes: Boxes, side: float) -> FloatArray:
 def vertical_clearance(upper: Boxes, lower: Boxes) -> FloatArray:
     """Return the distance [m] by which each upper box can sink straight down to each lower box, shape (m, n).
 
-    The distance is infinite where the boxes do not overlap in plan, and negative where the upper box must be raised to
-    come free.
+    The distance is infinite where the boxes do not overlap in plan (seen from above), and negative where the upper box
+    must rise to come free.
     """
     clearance = np.full((len(upper), len(lower)), np.inf)
     apart = np.abs(upper.center[:, None, :2] - lower.center[None, :, :2])
@@ -148,7 +149,7 @@ def vertical_clearance(upper: Boxes, lower: Boxes) -> FloatArray:
 
 
 def _measure_other_shapes(clearance: FloatArray, upper: Boxes, lower: Boxes, above: IntArray, below: IntArray) -> None:
-    """Write the clearance [m] of the pairs (above, below) of which one body is no box into ``clearance`` (m, n)."""
+    """Write the clearance [m] of each pair (above, below) with another shape than two boxes to ``clearance`` (m, n)."""
     first, second = _placed(upper), _placed(lower)
     for one, other in zip(above.tolist(), below.tolist(), strict=True):
         if not (first[one].shape == second[other].shape == "box"):
@@ -191,12 +192,12 @@ def resting_shift(
     The first box that meets the support determines the shift.
 
     Args:
-        group: the boxes that are released together, in their planned poses; in a prebuilt stack they touch each other.
-        below: the boxes that may carry the group, in their actual poses. These must be boxes of lower levels only,
-            because a neighbour of the same level that overlaps a plank slightly would count as the plank's support. The
-            ground is always a support.
-        neighbours: mask of the pairs, shape (m, n): True where the box of ``below`` is planned beside the box of the
-            group, and therefore does not carry it.
+        group: the boxes that the harness releases together, in their planned poses.
+        below: the boxes that may carry the group, in their actual poses. Pass boxes of lower levels only, because a
+            neighbour of the same level that overlaps a plank slightly would count as the plank's support. The ground is
+            always a support.
+        neighbours: mask of the pairs (group, below), shape (m, n): True if the box of ``below`` is planned beside the
+            box of the group. Neighbours do not carry each other.
         fixed: boxes that never move. Fixed boxes carry boxes planned above them, but not boxes beside or below them.
     """
     clearance = vertical_clearance(group, below)
@@ -211,9 +212,9 @@ def resting_shift(
 def room_above_fixed(group: Boxes, fixed: Boxes) -> float:
     """Return the distance [m] by which a rigid group can sink to a fixed box below it; infinite without such a box.
 
-    A box of the group counts as below a fixed box, as under a ceiling, if the box must be raised by more than half its
-    own height to come free of the fixed box. A smaller overlap does not count, because placement noise on a slope makes
-    boxes overlap by up to 1 mm.
+    A fixed box counts as a ceiling over a box of the group if this box must rise by at least half its own height to
+    come free of the fixed box. A smaller overlap does not count, because placement noise on a slope makes boxes overlap
+    by up to 1 mm.
     """
     clearance = vertical_clearance(group, fixed)
     is_above = clearance > -group.reach[:, None, 2]
@@ -258,7 +259,7 @@ def rotation(quaternion: FloatArray) -> FloatArray:
 
 
 def turned(quaternion: Quaternion, turn: float) -> Quaternion:
-    """Return the orientation ``quaternion`` turned about the world's z axis by ``turn`` [rad]."""
+    """Return a ``quaternion`` (w, x, y, z) turned about the world's z axis by ``turn`` [rad]."""
     c, s = math.cos(turn / 2), math.sin(turn / 2)
     w, x, y, z = quaternion
     return (c * w - s * z, c * x - s * y, c * y + s * x, c * z + s * w)

@@ -1,9 +1,9 @@
 """Margins: the distance of a scene from its limit of stability, and the outcome that theory gives at this distance.
 
-``margin`` is the share by which the deciding quantity (a load, an offset, a coefficient of friction) lies on the safe
-side of its limit; a negative margin lies beyond the limit. Scenes claim no answer within 5 % of a limit, because a real
-drop has energy that statics ignores. Where a stack could tip, its bricks are so large that the energy of placing a
-brick does not tip the stack.
+The margin is the distance of the deciding quantity (a load, an offset, a coefficient of friction) from its limit, as a
+share of the limit. A positive margin lies on the safe side, a negative margin beyond the limit. Scenes within 5 % of a
+limit have no known answer, because a real drop has energy that statics ignores. Stacks that could tip have large
+bricks, so that the energy of placing a brick does not tip the stack.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ ROUNDING = 1e-9
 
 
 def by_margin(margin: float, limit: str, *, falls_at: int, not_before_s: float = 0.0) -> Expectation:
-    """Return the expectation for a scene with ``margin``: it stands, falls, or is a study (no known answer).
+    """Return the expectation for a scene with ``margin``: stand, fall, or study (no known answer).
 
     Args:
         margin: distance from the limit, as a share of the limit; negative beyond the limit.

@@ -1,6 +1,6 @@
 """The data model of a scene: bricks, timed actions, and the outcome that theory demands.
 
-Units are SI, z is up, quaternions are (w, x, y, z). This module does not depend on an engine.
+Units are SI, z is up, quaternions are (w, x, y, z). The model does not depend on an engine.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class World:
 
 @dataclass(frozen=True, slots=True)
 class Brick:
-    """A rigid convex body in its planned pose: a homogeneous box unless ``shape`` and ``moments`` say otherwise.
+    """A rigid convex body in its planned pose: by default a homogeneous box.
 
     ``scenarios.solids`` makes bricks of other shapes.
     """
@@ -73,8 +73,8 @@ class Brick:
 class Place:
     """Action that releases bricks together, as one rigid group, a little above their actual support.
 
-    The group keeps its planned x, y, orientation and relative heights. The harness shifts the group along z so that the
-    least gap between a brick of the group and the body that is actually below this brick is ``height``.
+    The group keeps its planned x, y, orientation and relative heights. The harness shifts the group along z until the
+    least gap between a brick of the group and the actual body below this brick is ``height``.
     """
 
     time: float
@@ -108,7 +108,7 @@ class Push:
 
 @dataclass(frozen=True, slots=True)
 class Pull:
-    """Action that pulls a brick sideways by its centre of mass at a given velocity, then removes the brick.
+    """Action that pulls a brick sideways at its centre of mass with a given velocity, then removes the brick.
 
     The force is as large as the velocity requires. Monitors count the brick as intact at any position, because the
     manipulator holds the brick from the start of the action.
@@ -194,7 +194,7 @@ class Drive:
 
 @dataclass(frozen=True, slots=True)
 class MustMove:
-    """A brick that must move according to theory, from a given time until its centre has moved a given distance."""
+    """A brick's motion that theory demands: from a given time until the brick's centre has moved a given distance."""
 
     brick: int
     """The brick's index in the order of placement, from 0."""
@@ -232,7 +232,7 @@ class Expectation:
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """One variant of a scenario, ready to be played."""
+    """A variant of a scenario: world, actions and expectation."""
 
     scenario: str
     """Registry name, such as ``four_stack``."""
@@ -284,9 +284,9 @@ class Scene:
 
 
 def pace_of(size: float) -> float:
-    """Return the factor on all times of a scene whose lengths are ``size`` times as large.
+    """Return the factor on all times of a scene with ``size`` times the lengths.
 
-    Gravity stays the same, so a fall takes sqrt(``size``) times as long. The factor is at least 1, because the frames
-    of an engine do not become shorter for small bricks.
+    A fall takes sqrt(``size``) times as long, because gravity stays the same. The factor is at least 1, because an
+    engine's frames do not become shorter for small bricks.
     """
     return max(1.0, math.sqrt(size))

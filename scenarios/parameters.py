@@ -1,8 +1,8 @@
-"""Parameters of scenes: the ranges that a builder declares, and the id of the variant with given values.
+"""Parameters of scenes: their ranges, and the id of the variant with given values.
 
-A builder is the function that plans a scene. It annotates each parameter with its range, as in
-``courses: Annotated[int, Whole(1, 200)] = 8``. The decorator ``scenarios.scenario.scenario`` makes a scenario of the
-builder: the scenario checks every value before the builder runs.
+A builder is a function that plans a scene. The builder annotates each parameter with its range, as in ``courses:
+Annotated[int, Whole(1, 200)] = 8``. The decorator ``scenarios.scenario.scenario`` turns the builder into a scenario,
+which checks every value before the builder runs.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ Value: TypeAlias = float | int | str
 
 
 class Range(Protocol):
-    """The values that a parameter may take. ``str`` of a range gives its text for users."""
+    """The allowed values of a parameter. ``str`` of a range gives its text for users."""
 
     def check(self, name: str, value: object) -> Value:
-        """Return ``value`` in the parameter's type.
+        """Return ``value``, converted to the parameter's type.
 
         Raises:
-            ValueError: if ``value`` is out of range; the message names the parameter and the range.
+            ValueError: if the range does not contain ``value``; the message names the parameter and the range.
         """
 
 
@@ -37,7 +37,7 @@ class Whole:
         """Return ``value`` as an integer.
 
         Raises:
-            ValueError: if ``value`` is no whole number in the range; the message names the range.
+            ValueError: if ``value`` is no whole number in the range; the message names the parameter and the range.
         """
         if _is_number(value) and self.least <= value <= self.most and value % 1 == 0:
             return int(value)
@@ -58,7 +58,7 @@ class Real:
         """Return ``value`` as a float.
 
         Raises:
-            ValueError: if ``value`` is no number in the range, or NaN; the message names the range.
+            ValueError: if ``value`` is no number in the range, or NaN; the message names the parameter and the range.
         """
         if _is_number(value) and self.least <= value <= self.most:
             return float(value)
@@ -69,7 +69,7 @@ class Real:
 
 
 class Choice:
-    """A choice among words."""
+    """Allowed words."""
 
     __slots__ = ("words",)
 
@@ -80,7 +80,7 @@ class Choice:
         """Return the word that equals ``value``.
 
         Raises:
-            ValueError: if ``value`` is none of the words; the message names all words.
+            ValueError: if ``value`` is none of the words; the message names the parameter and all words.
         """
         for word in self.words:
             if value == word:
@@ -108,8 +108,8 @@ Friction: TypeAlias = Annotated[float, Real(0, 2)]
 def variant_of(name: str, defaults: Mapping[str, Value], parameters: Mapping[str, Value]) -> str:
     """Return the id of a variant: the scenario's name, then every value that differs from its default.
 
-    The first parameter stands without its name, as in ``card_house-2``, and every other parameter after its name, as in
-    ``card_house-2-theta75``. No two variants share an id, and every id is a valid file name.
+    The id gives the first parameter without its name, as in ``card_house-2``, and every other parameter with its name,
+    as in ``card_house-2-theta75``. Different variants have different ids. Every id is a valid file name.
     """
     parts = [name]
     for index, (parameter, default) in enumerate(defaults.items()):

@@ -1,16 +1,21 @@
 """Placement noise: seed 0 is exact, every other seed perturbs each pose.
 
-A draw consists of three normal deviates, for x, y and yaw, which are cut at three standard deviations. One standard
-deviation is 0.3 mm in x and in y (times the scene's ``size``) and 0.3 deg in yaw. A draw depends on the scene's
-variant, the seed, the brick's index and the number of earlier draws for this brick only, and not on the engine, the
-order of trials or earlier falls. The module computes each draw from a hash through the inverse of the normal
-distribution, so that the draw is the same on every machine, with any library.
+A draw has three normal deviates, for x, y and yaw, cut at three standard deviations. The standard deviation is 0.3 mm
+in x and in y, times the scene's ``size``, and 0.3 deg in yaw. A draw depends only on
 
-If a draw pushes a brick into a neighbour or a fixed box, the module draws again. So noise can only open a joint between
-planned neighbours that touch, and only seed 0 builds the joint closed. In a row of touching bricks the errors add up,
-and a brick may need more than three standard deviations to find room; therefore the standard deviation of the shift
-grows with the number of draws. A brick that fits exactly between two fixed walls has no room for noise, so every seed
-except 0 raises ``NoRoomError``.
+- the scene's variant,
+- the seed,
+- the brick's index,
+- the number of earlier draws for this brick.
+
+The module computes each draw from a hash through the inverse of the normal distribution, so that every machine draws
+the same numbers.
+
+If a draw pushes a brick into a neighbour or a fixed box, the module draws again. Therefore noise can only open the
+joint between neighbours that touch, and only seed 0 closes this joint exactly. In a row of touching bricks the shifts
+add up, and a brick may need more than three standard deviations to find room. Therefore the standard deviation of the
+shift grows with the number of draws. A brick that fits exactly between two fixed walls has no room for noise: every
+seed except 0 raises ``NoRoomError``.
 """
 
 from __future__ import annotations
@@ -40,19 +45,21 @@ _WIDENED = 25
 
 
 class NoRoomError(ValueError):
-    """Error for a brick that finds no room for placement noise beside its neighbours; the message names the fix."""
+    """Error for a brick without room for placement noise beside its neighbours; the message names the fix."""
 
 
 def with_placement_noise(scene: Scene, seed: int) -> Scene:
-    """Return the scene with placement noise; the scene itself for seed 0.
+    """Return the scene with placement noise; the unchanged scene for seed 0.
 
-    The bricks of one ``Place`` action move as one rigid group, which turns about its centroid. In a planar scene the
-    group moves along x only. The function draws again if the group would overlap an earlier brick of the same level, or
-    a brick or fixed box that is planned beside the group.
+    The bricks of a ``Place`` action move as one rigid group, which turns about its centroid. In a planar scene the
+    group moves along x only. The function draws again if the group would overlap
+
+    - an earlier brick of the same level, or
+    - a brick or a fixed box beside the group in the plan.
 
     Raises:
         ValueError: if the seed is negative.
-        NoRoomError: if a brick finds no room beside its neighbours.
+        NoRoomError: if a brick has no room beside its neighbours.
     """
     if seed < 0:
         raise ValueError(f"seed must be 0 (exact) or positive, got {seed}")
@@ -86,13 +93,13 @@ def _perturbed(scene: Scene, seed: int, group: Sequence[Brick], laid: Sequence[B
 
 
 def _beside(scene: Scene, group: Sequence[Brick], laid: Sequence[Brick]) -> BoolArray:
-    """Return the mask of the laid bricks and fixed boxes that each brick of a group must not overlap, shape (m, n).
+    """Return the mask (m, n) of the ``laid`` bricks and fixed boxes that each brick of the group must not overlap.
 
     The mask is True for
 
-    - laid bricks of a level that occurs in the group;
-    - laid bricks and fixed boxes planned beside the brick of the group, except in a poured scene, because poured bricks
-      do not lie where they were planned.
+    - laid bricks of the group's levels;
+    - laid bricks and fixed boxes beside the group's brick in the plan. A poured scene has no bricks of this kind,
+      because poured bricks do not lie in their planned places.
     """
     levels = {brick.level for brick in group}
     same_level = [brick.level in levels for brick in laid] + [False] * len(scene.world.fixed)
@@ -104,7 +111,7 @@ def _beside(scene: Scene, group: Sequence[Brick], laid: Sequence[Brick]) -> Bool
 
 
 def deviates(variant: str, seed: int, brick: int, draw: int = 0) -> tuple[float, float, float]:
-    """Return three independent standard normal deviates, cut at ``CUT``, for one brick of one scene and seed.
+    """Return three independent standard normal deviates, cut at ``CUT``, for a brick of a scene and a seed.
 
     Args:
         variant: id of the scene's variant.

@@ -1,7 +1,7 @@
-"""The toy plank from which the scenes are built, and its poses: laid flat or leaning.
+"""The toy plank of the scenes, in its poses: flat or leaning.
 
-A KAPLA plank is nominally 117.0 x 23.4 x 7.8 mm (15 : 3 : 1) and weighs 11.9 g on average (557 kg/m3, pine).
-A plank's own x is its length, y its width and z its thickness.
+A KAPLA plank is nominally 117.0 x 23.4 x 7.8 mm (15 : 3 : 1) and weighs 11.9 g on average (557 kg/m3, pine). A plank's
+own x axis runs along its length, y along its width and z along its thickness.
 """
 
 from __future__ import annotations
@@ -42,16 +42,16 @@ def lay(
     length: float = LENGTH,
     thickness: float = THICKNESS,
 ) -> Brick:
-    """Return a plank that lies flat, with its length turned from the x axis by ``yaw``.
+    """Return a plank that lies flat, turned about z by ``yaw``.
 
     Args:
         x: centre along x [m].
         y: centre along y [m].
         level: level of the brick, from 1.
-        yaw: turn about z [rad].
+        yaw: angle [rad] from the x axis to the plank's length.
         bottom: height of the lower face [m]; by default as in a stack of flat planks.
-        length: length [m] of a shortened plank; its mass shrinks in proportion.
-        thickness: thickness [m] of a thinner plank; its mass shrinks in proportion.
+        length: length [m]; the mass is in proportion.
+        thickness: thickness [m]; the mass is in proportion.
     """
     under = (level - 1) * thickness if bottom is None else bottom
     turn: Quaternion = (math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2))
@@ -71,12 +71,12 @@ def lean(
     """Return a plank that stands on its lower short edge and leans in the x-z plane.
 
     Args:
-        foot: position of this edge along x [m].
+        foot: position along x [m] of the lower short edge.
         theta: angle [rad] between the plank and the ground.
         toward: 1 if the plank leans toward +x, -1 if it leans toward -x.
         level: level of the brick, from 1.
-        bottom: height of this edge [m].
-        thickness: thickness [m] of a thinner plank; its mass shrinks in proportion.
+        bottom: height [m] of the lower short edge.
+        thickness: thickness [m]; the mass is in proportion.
     """
     along, across = (math.cos(theta), math.sin(theta)), (-math.sin(theta), math.cos(theta))
     x = foot + toward * (LENGTH * along[0] + thickness * across[0]) / 2
@@ -88,9 +88,9 @@ def lean(
 def plank_of(scale: float) -> tuple[float, float, float, float]:
     """Return length, width and thickness [m] and mass [kg] of a plank ``scale`` times as large, of the same wood.
 
-    A stack that must not tip needs large planks: the energy [J] of a landing brick grows with the brick's mass only,
-    because the harness releases each brick ``CLEARANCE`` above its support, but the energy that tips the stack grows
-    with its mass and its size.
+    A scene whose stack must not tip needs large planks. The energy [J] of a landing brick grows with the brick's mass
+    only, because the harness releases each brick ``CLEARANCE`` above its support. The energy that tips the stack grows
+    with the mass and with the size.
     """
     return scale * LENGTH, scale * WIDTH, scale * THICKNESS, scale**3 * MASS
 
@@ -108,11 +108,11 @@ def box(
     """Return a box that stands upright.
 
     Args:
-        size: edge lengths [m] along its own x, y and z.
+        size: edge lengths [m] along the box's own x, y and z.
         x: centre along x [m].
         y: centre along y [m].
         level: level of the brick, from 1.
-        bottom: height of its lower face [m].
+        bottom: height [m] of the lower face.
         yaw: turn about z [rad].
         mass: mass [kg]; by default the mass of a box of the planks' wood.
     """

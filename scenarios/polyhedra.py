@@ -1,6 +1,6 @@
 """Convex polyhedra: hull, faces, volume and inertia by trimesh, and the own frame of a polyhedron.
 
-trimesh takes a second to import. Import this module only where a polyhedron is at hand.
+Import this module only for a polyhedron, because trimesh takes a second to import.
 """
 
 from __future__ import annotations
@@ -59,8 +59,8 @@ class OwnFrame:
 def own_frame(points: npt.ArrayLike) -> OwnFrame:
     """Return the convex hull of ``points`` [m], shape (n, 3), in its own frame.
 
-    Of all principal axes the function chooses those nearest to the axes of the given frame; these axes themselves if
-    they are principal axes.
+    If the axes of the given frame are principal axes, the function keeps these axes. Otherwise the function chooses the
+    principal axes nearest to the axes of the given frame.
 
     Raises:
         ValueError: if the points enclose no volume, or the hull has more than ``MOST_VERTICES`` vertices; the message
@@ -105,7 +105,7 @@ def triangles(polyhedron: Polyhedron) -> tuple[tuple[int, int, int], ...]:
 
 @lru_cache(maxsize=512)
 def check_polyhedron(polyhedron: Polyhedron) -> None:
-    """Raise ``ValueError``, which names the fix, unless a polyhedron is convex and lies in its own frame."""
+    """Raise ``ValueError`` unless a polyhedron is convex and lies in its own frame; the message names the fix."""
     if not np.isfinite(polyhedron.array).all():
         raise ValueError(f"vertices must be finite, got {polyhedron.vertices}; check for NaN")
     hull = _hull(polyhedron.array)
@@ -151,7 +151,10 @@ def _hull(points: FloatArray) -> trimesh.Trimesh:
 
 
 def _properties(hull: trimesh.Trimesh) -> MassProperties:
-    """Return the mass properties of a hull, computed about its middle, so that an offset costs no digits."""
+    """Return the mass properties of a hull.
+
+    The function computes about the hull's middle, so that a distant origin causes no rounding error.
+    """
     middle = np.asarray(hull.bounds).mean(axis=0)
     extent = float(np.ptp(hull.vertices, axis=0).max())
     unit = trimesh.triangles.mass_properties((np.asarray(hull.triangles) - middle) / extent)
@@ -163,10 +166,10 @@ def _properties(hull: trimesh.Trimesh) -> MassProperties:
 
 
 def _nearest_principal_axes(inertia: FloatArray) -> FloatArray:
-    """Return principal axes, the columns of a rotation matrix, each as near as possible to the same axis of the frame.
+    """Return the principal axes nearest to the axes of the frame, as the columns of a rotation matrix (3, 3).
 
-    Axes of equal moments are free to turn among themselves: there the nearest directions come from the orthogonal
-    projection of the frame's axes.
+    If two or three moments are equal, every direction in the space of their axes is a principal axis. In this space the
+    function chooses the directions nearest to the frame's axes, by an orthogonal projection.
     """
     moments, vectors = np.linalg.eigh(inertia)
     if np.abs(inertia - np.diag(np.diag(inertia))).max() <= CENTRED * moments[-1]:
@@ -187,7 +190,7 @@ def _nearest_principal_axes(inertia: FloatArray) -> FloatArray:
 
 
 def _equal_moments(moments: FloatArray) -> list[list[int]]:
-    """Return the indices of the rising ``moments`` in groups of equal ones."""
+    """Return the indices of the rising ``moments`` in groups of equal moments."""
     groups = [[0]]
     for index in (1, 2):
         if moments[index] - moments[index - 1] <= EQUAL_MOMENTS * moments[2]:
@@ -198,7 +201,10 @@ def _equal_moments(moments: FloatArray) -> list[list[int]]:
 
 
 def _coplanar(normals: FloatArray, adjacent: npt.NDArray[np.int64]) -> list[list[int]]:
-    """Return the triangles of each flat face: triangles joined over edges at which the normal does not turn."""
+    """Return the indices of the triangles of each flat face.
+
+    Two triangles belong to the same face if they share an edge and a normal.
+    """
     group = list(range(len(normals)))
     for one, other in adjacent.tolist():
         if np.abs(normals[one] - normals[other]).max() <= COPLANAR:

@@ -1,4 +1,4 @@
-"""Scenarios by name. A new scenario is one file in ``scenarios/scenes`` and one entry in ``SCENARIOS``."""
+"""Scenarios by name. A new scenario needs a file in ``scenarios/scenes`` and an entry in ``SCENARIOS``."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ def build(name: str, **parameters: Value) -> Scene:
     """Return the scene of scenario ``name`` with ``parameters``; missing parameters take their defaults.
 
     Raises:
-        UnknownNameError: if no scenario is called ``name``, or the scenario has no parameter of a given name.
+        UnknownNameError: if no scenario has the ``name``, or the scenario has no parameter with a given name.
         ValueError: if a parameter's value is not allowed; the message names the allowed values.
     """
     scenario = look_up("scenario", name, SCENARIOS)
@@ -146,15 +146,18 @@ def build(name: str, **parameters: Value) -> Scene:
 
 @lru_cache(maxsize=256, typed=True)
 def _prebuilt(scenario: Scenario[...], built: str, **parameters: Value) -> Scene:
-    """Return a prebuilt scene; cached, because the search for the brick to remove solves statics many times."""
+    """Return a prebuilt scene.
+
+    A cache keeps the scenes, because the search for the brick to remove solves statics many times.
+    """
     scene = scenario(**parameters)
     return at_once(scene) if built == AT_ONCE else at_once_below(scene)
 
 
 def with_defaults(name: str, parameters: Mapping[str, Value]) -> dict[str, Value]:
-    """Return recorded parameters, completed by the defaults of parameters that were added later.
+    """Complete the parameters of an old record with the defaults of newer parameters.
 
-    At its default, a new parameter does not change the scene, so that old records remain comparable with new records.
+    A new parameter does not change the scene at its default, so that old records remain comparable with new records.
     """
     scenario = SCENARIOS.get(name)
     return {**(scenario.parameters if scenario else {}), **parameters}

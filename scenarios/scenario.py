@@ -1,11 +1,13 @@
-"""Scenarios: the decorator ``scenario`` turns a builder, which declares each parameter with its range, into a scenario.
+"""Scenarios: the decorator ``scenario`` turns a builder into a scenario.
 
     @scenario
     def plank_tower(*, levels: Annotated[int, Whole(1, 500)] = 26) -> Plan: ...
 
-The builder's name is the scenario's id. The builder's signature gives the parameters with defaults and ranges. The
-first line of the builder's docstring is the description. A call of the scenario checks the values, calls the builder,
-and adds ids and parameters to the returned plan.
+- The builder's name is the scenario's id.
+- The builder's signature gives the parameters with their defaults and ranges.
+- The first line of the builder's docstring is the description of the scene.
+
+A call of the scenario checks the values, calls the builder, and adds ids and parameters to the returned plan.
 """
 
 from __future__ import annotations
@@ -30,7 +32,7 @@ P = ParamSpec("P")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plan:
-    """The return value of a builder: a scene without its ids and parameters. ``Scene`` describes the fields."""
+    """A scene without ids and parameters: the return value of a builder. ``Scene`` describes the fields."""
 
     world: World
     actions: tuple[Action, ...]
@@ -47,7 +49,7 @@ class Plan:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scenario(Generic[P]):
-    """A family of scenes, one for each choice of its parameters; a call with keyword arguments builds a scene."""
+    """A family of scenes that differ in their parameters. A call with keyword arguments builds a scene."""
 
     builder: Callable[P, Plan | Scene]
     """Function that returns the plan of a scene. A builder that returns a ``Scene`` sets the ids itself."""
@@ -81,15 +83,15 @@ class Scenario(Generic[P]):
         return {**self.declared, **{name: allowed for name, (_, allowed) in self._shared().items()}}
 
     def variant(self, parameters: Mapping[str, Value]) -> str:
-        """Return the id of the variant with these values of the builder's own parameters."""
+        """Return the id of the variant with the values ``parameters`` of the builder's own parameters."""
         return variant_of(self.name, self.defaults, parameters)
 
     def __call__(self, *args: P.args, **parameters: P.kwargs) -> Scene:
         """Build the scene with ``parameters``; missing parameters take their defaults.
 
         Raises:
-            ValueError: if a value is not allowed (the message names the allowed values), or if a brick of a planar
-                scene leaves the plane.
+            ValueError: if a value is not allowed, or a brick of a planar scene leaves the x-z plane; the message names
+                the allowed values or the fix.
         """
         checked: dict[str, Any] = {**self.defaults, **parameters}
         for name, allowed in self.declared.items():
@@ -119,7 +121,7 @@ class Scenario(Generic[P]):
 
 
 def _check_planar(planned: Plan) -> None:
-    """Raise ``ValueError`` if a brick of a planar scene leaves the x-z plane or is turned out of it."""
+    """Raise ``ValueError`` if a brick of a planar scene leaves the x-z plane, or turns about another axis than y."""
     for action in planned.actions:
         for brick in action.bricks if isinstance(action, Place) else ():
             _, i, _, k = brick.quaternion
@@ -131,12 +133,12 @@ def _check_planar(planned: Plan) -> None:
 
 
 def scenario(builder: Callable[P, Plan | Scene]) -> Scenario[P]:
-    """Make a scenario of statics of a builder that only places and removes bricks."""
+    """Make a scenario of statics from a builder whose scenes only place and remove bricks."""
     return _scenario(builder, is_static=True)
 
 
 def dynamic_scenario(builder: Callable[P, Plan | Scene]) -> Scenario[P]:
-    """Make a scenario of dynamics of a builder that pours, drops, pushes, pulls or moves bricks."""
+    """Make a scenario of dynamics from a builder whose scenes also pour, drop, push, pull or move bricks."""
     return _scenario(builder, is_static=False)
 
 

@@ -1,13 +1,15 @@
 """Convex shapes of bodies: their extents, volume, inertia and farthest points.
 
-A body's own frame has its origin at the centre of mass and its axes along principal axes of inertia. The edge lengths
-``size`` of the smallest box along the own axes describe every shape except a polyhedron completely:
+A body's own frame has its origin at the centre of mass and its axes along principal axes of inertia. The ``size`` of a
+body is the edge lengths of the smallest box along these axes that holds the body:
 
 - box: the box itself;
 - cylinder: diameter, diameter and length, with the axis along z;
 - capsule: diameter, diameter and overall length with both caps, with the axis along z;
 - sphere: the diameter three times;
-- polyhedron: the extents of its vertices. Only for a polyhedron this box need not be centred on the centre of mass.
+- polyhedron: the extents of its vertices. The middle of this box need not be the centre of mass.
+
+``size`` describes every shape completely, except a polyhedron.
 
 ``scenarios.solids`` makes bodies of these shapes, and ``scenarios.polyhedra`` finds the own frame of a polyhedron.
 """
@@ -60,12 +62,12 @@ Shape: TypeAlias = SimpleShape | Polyhedron
 
 
 def name_of(shape: Shape) -> str:
-    """Return the shape's name for users: ``box``, ``cylinder``, ``capsule``, ``sphere`` or ``polyhedron``."""
+    """Return the shape's name: ``box``, ``cylinder``, ``capsule``, ``sphere`` or ``polyhedron``."""
     return "polyhedron" if isinstance(shape, Polyhedron) else shape
 
 
 def half_extents(shape: Shape, size: Point) -> FloatArray:
-    """Return half the edge lengths [m] of the smallest box centred on the centre of mass that holds the shape, (3,)."""
+    """Return the greatest distance [m] of a point from the centre of mass along each own axis, shape (3,)."""
     if isinstance(shape, Polyhedron):
         half: FloatArray = np.abs(shape.array).max(axis=0)
         return half
@@ -73,7 +75,7 @@ def half_extents(shape: Shape, size: Point) -> FloatArray:
 
 
 def reach(shape: Shape, size: Point) -> float:
-    """Return the greatest distance [m] of a point of the shape from the centre of mass."""
+    """Return the greatest distance [m] of a point from the centre of mass."""
     x, _, z = size
     match shape:
         case "box":
@@ -86,12 +88,12 @@ def reach(shape: Shape, size: Point) -> float:
 
 
 def support_points(shape: Shape, size: Point, directions: FloatArray) -> FloatArray:
-    """Return a farthest point [m] of the shape in each direction, shape (n, 3), own frame.
+    """Return a farthest point [m] of the shape along each direction, shape (n, 3), in the own frame.
 
     Args:
         shape: the shape.
         size: edge lengths [m] of the smallest box along the own axes.
-        directions: directions of any length above 0, shape (n, 3), own frame.
+        directions: vectors of any length above 0, shape (n, 3), in the own frame.
     """
     if isinstance(shape, Polyhedron):
         farthest: FloatArray = shape.array[(directions @ shape.array.T).argmax(axis=1)]
@@ -124,7 +126,7 @@ def volume(shape: SimpleShape, size: Point) -> float:
 
 
 def gyration(shape: SimpleShape, size: Point) -> Point:
-    """Return the moments of inertia over the mass [m2] of a homogeneous shape that is no polyhedron."""
+    """Return the moments of inertia over the mass [m2], (3,), of a homogeneous shape that is no polyhedron."""
     x, y, z = size
     match shape:
         case "box":
@@ -141,8 +143,8 @@ def gyration(shape: SimpleShape, size: Point) -> Point:
 def _gyration_of_capsule(radius: float, length: float) -> Point:
     """Return the moments over the mass [m2] of a cylinder of ``length`` [m] with a half sphere at each end.
 
-    A half sphere's centre of mass lies 3 r / 8 from its flat face, so that with the shares c of the cylinder and s of
-    both half spheres in the mass
+    The centre of mass of a half sphere of radius r lies 3 r / 8 from the flat face. With the length l, and the shares c
+    of the cylinder and s of both half spheres in the mass, the moments over the mass are
 
         along the axis: c r^2 / 2 + s 2 r^2 / 5
         across:         c (r^2 / 4 + l^2 / 12) + s (2 r^2 / 5 + l^2 / 4 + 3 l r / 8).

@@ -1,4 +1,4 @@
-"""Bricks of any convex shape: makers, checks, mass properties, and friction and restitution of a pair.
+"""Bricks of any convex shape: makers, checks, mass properties, and the coefficients of a pair.
 
 can = cylinder(0.033, 0.12, position=(0.0, 0.0, 0.06), density=700.0)
 lying = replace(can, quaternion=(math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0), friction=0.2)
@@ -60,7 +60,7 @@ def capsule(
     density: float | None = None,
     level: int = 1,
 ) -> Brick:
-    """Return a capsule with its axis along its own z: see ``cylinder``; ``length`` [m] leaves out both caps."""
+    """Return a capsule with its axis along its own z: see ``cylinder``. The ``length`` [m] excludes both caps."""
     return _made("capsule", (2 * radius, 2 * radius, length + 2 * radius), position, quaternion, mass, density, level)
 
 
@@ -109,9 +109,9 @@ def polyhedron(
 
 
 def enlarged(brick: Brick, factor: float) -> Brick:
-    """Return a brick with its own lengths times ``factor``; mass and pose remain.
+    """Return a brick with all edge lengths times ``factor``; the mass and the pose stay the same.
 
-    Given moments of inertia grow by the square of the factor.
+    The moments of inertia in ``Brick.moments`` grow by the square of the factor.
     """
     shape, size = brick.shape, _times(factor, brick.size)
     if isinstance(shape, Polyhedron):
@@ -150,7 +150,7 @@ def moments_of(brick: Brick) -> Vector:
 
 
 def reach_of(brick: Brick) -> float:
-    """Return the greatest distance [m] of a point of a brick from its centre of mass."""
+    """Return the greatest distance [m] of a brick's point from the centre of mass."""
     return shapes.reach(brick.shape, brick.size)
 
 
@@ -165,7 +165,7 @@ def restitution_of(brick: Brick, world: World) -> float:
 
 
 def of_pair(first: float, second: float) -> float:
-    """Return the coefficient of a pair, of friction or of restitution: the geometric mean of both bodies' own."""
+    """Return a pair's coefficient of friction or of restitution: the geometric mean of both bodies' coefficients."""
     return first if first == second else math.sqrt(first * second)
 
 
@@ -175,7 +175,7 @@ def has_one_friction(bricks: Iterable[Brick], world: World) -> bool:
 
 
 def check_solid(brick: Brick) -> None:
-    """Raise ``ValueError``, which names the fix, unless shape, size, friction, restitution and moments are valid."""
+    """Raise ``ValueError`` unless shape, size, friction, restitution and moments of a brick are valid."""
     if not all(math.isfinite(edge) and edge > 0 for edge in brick.size):
         raise ValueError(f"brick size must be three positive lengths, got {brick.size} m")
     if brick.shape != "box":
@@ -249,7 +249,7 @@ def _turned(quaternion: Quaternion, vector: FloatArray) -> FloatArray:
 
 
 def _product(first: Quaternion, second: Quaternion) -> Quaternion:
-    """Return the orientation ``second`` in the frame ``first``, seen from outside."""
+    """Return the product of two quaternions (w, x, y, z): the rotation ``second``, then the rotation ``first``."""
     if second == UPRIGHT:
         return first
     a, b, c, d = first
@@ -263,7 +263,10 @@ def _product(first: Quaternion, second: Quaternion) -> Quaternion:
 
 
 def quaternion_of(rotation: FloatArray) -> Quaternion:
-    """Return the quaternion (w, x, y, z) of a rotation matrix, from the largest of its four squares."""
+    """Return the quaternion (w, x, y, z) of a ``rotation`` matrix (3, 3).
+
+    The function starts from the largest component of the quaternion, because a small component has few exact digits.
+    """
     trace = np.trace(rotation)
     squares = np.array([trace, *(2 * np.diag(rotation) - trace)])
     largest = int(squares.argmax())

@@ -1,4 +1,4 @@
-"""Surfaces of shapes for pictures: corners and flat faces, which approach a round shape."""
+"""Surfaces of shapes for pictures: corners and flat faces; a round shape gets many flat faces."""
 
 from __future__ import annotations
 
@@ -64,8 +64,8 @@ def _turned(profile: FloatArray, *, closes: bool) -> Surface:
     """Return the surface of a profile turned about z.
 
     Args:
-        profile: radius and height [m] of each ring from below, shape (k, 2); then, if the surface closes in poles, the
-            upper and the lower pole.
+        profile: radius and height [m] of each ring from below, shape (k, 2). If ``closes`` is True, the last two rows
+            are the upper and the lower pole.
         closes: True for poles, False for flat ends.
     """
     rings = profile[:-2] if closes else profile

@@ -1,4 +1,7 @@
-"""Public threads about stacks that scenes of ``scenarios/examples`` reproduce: addresses and reported behaviour."""
+"""Public threads about stacks: addresses and reported behaviour.
+
+Scenes of ``scenarios/examples`` reproduce the stacks.
+"""
 
 from __future__ import annotations
 
@@ -24,15 +27,15 @@ class Thread:
 
 @cache
 def threads() -> Mapping[str, Thread]:
-    """Return the threads, each by the stem of the file of the scene that reproduces its stack."""
+    """Return the threads by file stem of the example that reproduces the thread's stack."""
     content = tomllib.loads(FILE.read_text(encoding="utf-8"))
     return {stem: Thread(one["thread"], one["url"], one["reported"]) for stem, one in content.items()}
 
 
 def thread_of(parameters: Mapping[str, object]) -> Thread | None:
-    """Return the thread about the stack of a scene with ``parameters``.
+    """Return the thread about the stack of a scene with ``parameters``; None if there is no thread.
 
-    Return None if the scene has no thread, or if its size, mass or yaw is changed.
+    A scene with a changed size, mass or yaw has no thread.
     """
     changed = [parameters.get(name, usual) != usual for name, usual in (("size", 1.0), ("mass", 1.0), ("yaw", 0.0))]
     file = parameters.get("file")

@@ -1,4 +1,4 @@
-"""The content of an imported file: bricks, fixed bodies, gravity and friction, with notes about every change."""
+"""The content of an imported file: bricks, fixed bodies, gravity, friction, and a note about each change."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class ExportRefusedError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Imported:
-    """The content of a file, in the file's poses."""
+    """The content of a file."""
 
     name: str
     world: World
@@ -31,11 +31,11 @@ class Imported:
 
 
 def with_common_friction(world: World, bricks: Sequence[Brick]) -> tuple[World, tuple[Brick, ...]]:
-    """Return world and bricks with the most frequent coefficient as the world's; each brick has its own coefficient.
+    """Remove the coefficients of friction of bricks and fixed bodies that equal the world's coefficient.
 
-    The result is equivalent. A scene of one coefficient runs on engines that have no friction of single bodies. The
-    coefficient of a ground that nothing but the world's describes must not change, so the function changes nothing if
-    the most frequent coefficient differs from it.
+    The result has the same friction, because a body without its own coefficient has the world's. A scene with a single
+    coefficient also runs on engines that have no friction of single bodies. The function changes nothing unless the
+    world's coefficient is the most frequent coefficient of the bricks.
     """
     counted = Counter(brick.friction for brick in bricks if brick.friction is not None)
     if not counted or counted.most_common(1)[0][0] != world.friction:

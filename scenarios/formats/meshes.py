@@ -22,7 +22,7 @@ MOST_PARTS = 64
 
 
 def is_convex(vertices: FloatArray, faces: Any) -> bool:
-    """Return whether a mesh fills its convex hull.
+    """Return whether a mesh fills at least ``FILLED`` of the volume of its convex hull.
 
     Args:
         vertices: vertices [m], shape (v, 3).
@@ -41,7 +41,7 @@ def convex_parts(name: str, vertices: FloatArray, faces: Any) -> list[FloatArray
     """
     if importlib.util.find_spec("coacd") is None:
         raise ImportRefusedError(
-            f"mesh of '{name}' is not convex, and CoACD, which splits it, is not installed: run "
+            f"mesh of '{name}' is not convex, and the package CoACD, which splits meshes, is not installed: run "
             '"uv sync --group decompose", or replace the mesh by convex parts'
         )
     import coacd

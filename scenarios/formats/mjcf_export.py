@@ -1,4 +1,4 @@
-"""Export a scene as MJCF: its bricks in their planned poses, fixed bodies, ground, gravity and friction."""
+"""Export a scene as MJCF, MuJoCo's file format."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ GROUND_SIZE = "0 0 1"
 def to_mjcf(scene: Scene) -> str:
     """Return a scene as the text of an MJCF file.
 
-    A brick gets its mass and moments of inertia explicitly. Bricks that the scene removes are left out; actions have no
-    place in MJCF. MuJoCo gives a pair the greater coefficient of friction, a scene the geometric mean of both, so the
-    file has a contact pair for each pair of unequal coefficients.
+    The file gives the mass and the moments of inertia of each brick. The file has no actions, and no bricks that the
+    scene removes or pulls out. The file has a contact pair for each pair of unequal coefficients of friction, because a
+    pair has the greater coefficient in MuJoCo, and the geometric mean of both coefficients in a scene.
     """
     root = ET.Element("mujoco", model=scene.variant)
     root.append(ET.Comment(f" {scene.expectation.outcome}: {scene.expectation.theory} ".replace("--", "- -")))
@@ -57,7 +57,7 @@ def _add_brick(world: ET.Element, assets: ET.Element, name: str, brick: Brick, s
 
 
 def _shape(name: str, brick: Brick, assets: ET.Element) -> dict[str, str]:
-    """Return the attributes of a geometry, and add the mesh of a polyhedron to the assets."""
+    """Return the attributes of a brick's geometry; add the mesh of a polyhedron to ``assets``."""
     x, y, z = (edge / 2 for edge in brick.size)
     if isinstance(brick.shape, Polyhedron):
         vertices = " ".join(_numbers(vertex) for vertex in brick.shape.vertices)

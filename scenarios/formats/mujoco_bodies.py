@@ -1,4 +1,4 @@
-"""Make bricks and fixed bodies of the geometries of a compiled MuJoCo model."""
+"""Make bricks and fixed bodies from the geometries of a compiled MuJoCo model."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ extent and to the greatest moment, because MuJoCo keeps vertices of meshes in si
 
 @dataclass(frozen=True, slots=True)
 class Geom:
-    """A collision geometry in the world at the file's poses."""
+    """A collision geometry, in the file's pose."""
 
     name: str
     kind: int
@@ -41,7 +41,7 @@ class Geom:
 
 
 def read_geom(model: Any, data: Any, index: int) -> Geom:
-    """Return a geometry of a compiled model."""
+    """Return the geometry ``index`` of a compiled model."""
     name = model.geom(index).name or f"geom {index} of body '{model.body(model.geom_bodyid[index]).name}'"
     friction = 0.0 if model.geom_condim[index] == 1 else float(model.geom_friction[index, 0])
     return Geom(
@@ -58,11 +58,16 @@ def read_geom(model: Any, data: Any, index: int) -> Geom:
 
 
 def free_brick(model: Any, data: Any, body: int, name: str, geoms: Sequence[Geom]) -> Brick:
-    """Return the brick of a free body."""
+    """Return a free body as a brick.
+
+    Raises:
+        ImportRefusedError: if the body has not exactly one geometry, its shape is not convex, or its centre of mass or
+            its principal axes are not those of its shape; the message names the body and the fix.
+    """
     if len(geoms) != 1:
         raise ImportRefusedError(
-            f"body '{name}' has {len(geoms)} collision geometries, but a brick has one convex shape: keep one of them, "
-            "for example a mesh of their convex hull, and set contype and conaffinity of the others to 0"
+            f"body '{name}' has {len(geoms)} collision geometries, but a brick has one convex shape: keep one "
+            "geometry, for example a mesh of their convex hull, and set contype and conaffinity of the others to 0"
         )
     (geom,) = geoms
     parts = [index for index in range(1, model.nbody) if model.body_weldid[index] == body]
@@ -72,8 +77,8 @@ def free_brick(model: Any, data: Any, body: int, name: str, geoms: Sequence[Geom
     extent = max(brick.size)
     if np.abs(center - brick.position).max() > OFF_CENTER * extent:
         raise ImportRefusedError(
-            f"body '{name}' has its centre of mass {np.linalg.norm(center - brick.position) * 1e3:.3g} mm from that of "
-            "its shape: remove its <inertial>, or give its visual geometries mass 0"
+            f"the centre of mass of body '{name}' is {np.linalg.norm(center - brick.position) * 1e3:.3g} mm from the "
+            "centre of its shape: remove the body's <inertial>, or give its visual geometries mass 0"
         )
     frame = _frame(brick)
     inertial = np.array(data.ximat[body]).reshape(3, 3)
@@ -83,7 +88,8 @@ def free_brick(model: Any, data: Any, body: int, name: str, geoms: Sequence[Geom
     moments = np.diag(inertia)
     if np.abs(inertia - np.diag(moments)).max() > OFF_CENTER * moments.max():
         raise ImportRefusedError(
-            f"body '{name}' has principal axes of inertia that are not those of its shape: remove its <inertial>"
+            f"the principal axes of inertia of body '{name}' differ from the axes of its shape: remove the body's "
+            "<inertial>"
         )
     x, y, z = center.tolist()
     placed = replace(brick, position=(x, y, z), quaternion=quaternion_of(frame))
@@ -124,7 +130,7 @@ def _shape(model: Any, geom: Geom, mass: float) -> Brick:
             if not is_convex(vertices, faces):
                 raise ImportRefusedError(
                     f"mesh of '{geom.name}' is not convex, but a brick has one convex shape: replace it by its convex "
-                    "hull, or by a shape of your choice"
+                    "hull or by another convex shape"
                 )
             return _hull(vertices, geom, mass)
     kind = str(mujoco.mjtGeom(geom.kind)).rpartition("mjGEOM_")[2].lower()
@@ -134,7 +140,7 @@ def _shape(model: Any, geom: Geom, mass: float) -> Brick:
 
 
 def fixed_bodies(model: Any, geom: Geom, notes: list[str]) -> list[Brick]:
-    """Return the fixed bodies of a geometry: one, or the convex parts of a mesh."""
+    """Return a geometry as a single fixed body, or as the convex parts of a mesh; add a note about the parts."""
     if geom.kind == mujoco.mjtGeom.mjGEOM_MESH and not is_convex(*_mesh(model, geom.mesh)):
         parts = convex_parts(geom.name, *_mesh(model, geom.mesh))
         notes.append(f"mesh of '{geom.name}' is not convex: it became {len(parts)} convex fixed bodies")
@@ -147,7 +153,7 @@ def fixed_bodies(model: Any, geom: Geom, notes: list[str]) -> list[Brick]:
 def _hull(vertices: FloatArray, geom: Geom, mass: float) -> Brick:
     """Return the convex hull of vertices in a geometry's frame.
 
-    The hull takes its frame from the body, because MuJoCo turns the frame of a mesh to axes of its own order.
+    The hull has the frame of the body, because MuJoCo turns the frame of a mesh, and may exchange the axes.
     """
     in_world = geom.position + vertices @ geom.frame.T
     x, y, z = geom.body_position.tolist()

@@ -1,14 +1,16 @@
 """Import MJCF and URDF through MuJoCo's own parser and compiler.
 
-- A body with a free joint becomes a brick, with its mass and inertia. In a URDF the root link is free, unless it is
-  called "world" or has no geometry; joints of the type "floating" are free.
-- A body that is welded to the world becomes fixed bodies, one for each collision geometry.
-- A horizontal plane becomes the ground; all bodies shift so that the ground is z = 0. Without a plane the ground is
-  z = 0, or the lowest point of a free body below.
-- Visual geometries (no contact bits), cameras, lights, sensors and keyframes are left out.
+- A body with a free joint becomes a brick with the body's mass and inertia. In a URDF file, joints of the type
+  "floating" are free, and the root link is free unless its name is "world".
+- A body without joints to the world becomes fixed bodies: a body for each collision geometry, or for each convex part
+  of a mesh.
+- A horizontal plane becomes the ground. Without a plane the ground is z = 0, or the height of the lowest free body if
+  this body reaches below z = 0. The import shifts all bodies so that the ground is z = 0.
+- The import leaves out visual geometries (without contact bits), fixed bodies below the ground, cameras, lights,
+  sensors and keyframes.
 
-A scene cannot hold other joints, actuators, tendons, constraints and soft bodies, nor a moving body of several parts:
-``ImportRefusedError`` names the element and the fix.
+A scene cannot hold other joints, actuators, tendons, constraints, soft bodies or a moving body of several parts. The
+message of ``ImportRefusedError`` names the element and the fix.
 """
 
 from __future__ import annotations
@@ -72,7 +74,10 @@ def read_mujoco_file(path: Path) -> Imported:
 
 
 def _free_root(spec: Any, path: Path) -> None:
-    """Give the root link of a URDF a free joint, unless the root link is "world", which MuJoCo makes its own world."""
+    """Give the root link of a URDF file a free joint, unless the link's name is "world".
+
+    MuJoCo makes a link with the name "world" its own world.
+    """
     spec.compiler.fusestatic = False
     tree = ET.parse(path).getroot()
     children = {child.get("link") for child in tree.iterfind("joint/child")}
@@ -86,13 +91,13 @@ def _refuse_elements(spec: Any) -> None:
     for attribute, kind in REFUSED.items():
         for element in getattr(spec, attribute):
             raise ImportRefusedError(
-                f"{kind} '{element.name}': a scene holds free and fixed bodies only: remove the {kind}"
+                f"{kind} '{element.name}': a scene holds only free and fixed bodies; remove the {kind}"
             )
     for joint in spec.joints:
         if joint.type != mujoco.mjtJoint.mjJNT_FREE:
             kind = str(joint.type).rpartition("mjJNT_")[2].partition(":")[0].lower()
             raise ImportRefusedError(
-                f"{kind} joint '{joint.name}' of body '{joint.parent.name}': a scene holds free and fixed bodies only: "
+                f"{kind} joint '{joint.name}' of body '{joint.parent.name}': a scene holds only free and fixed bodies; "
                 "use a freejoint, or remove the joint"
             )
 
@@ -132,7 +137,7 @@ def _content(model: Any, data: Any) -> Imported:
 
 
 def _colliding(model: Any, root: int, notes: list[str]) -> list[int]:
-    """Return the indices of the geometries with contact bits of all bodies that are welded to a root."""
+    """Return the indices of the geometries with contact bits, of a root body and all bodies welded to the root."""
     found = [index for index in range(model.ngeom) if model.body_weldid[model.geom_bodyid[index]] == root]
     visual = [index for index in found if not (model.geom_contype[index] or model.geom_conaffinity[index])]
     if visual:
@@ -141,12 +146,12 @@ def _colliding(model: Any, root: int, notes: list[str]) -> list[int]:
 
 
 def _split_planes(geoms: Sequence[Geom]) -> tuple[Geom | None, list[Geom]]:
-    """Return the ground, if a plane gives it, and all other geometries."""
+    """Return the plane of the ground, None without a plane, and all other geometries."""
     planes = [geom for geom in geoms if geom.kind == mujoco.mjtGeom.mjGEOM_PLANE]
     for plane in planes:
         if np.hypot(*plane.frame[:2, 2]) > LEVEL or plane.frame[2, 2] < 0:
             raise ImportRefusedError(
-                f"plane '{plane.name}' is not level: turn it level and tilt the gravity, or use a fixed box"
+                f"plane '{plane.name}' is not level: use a level plane and tilted gravity, or a fixed box"
             )
     if len({round(float(plane.position[2]), 9) for plane in planes}) > 1:
         raise ImportRefusedError(f"planes {[plane.name for plane in planes]} at several heights: keep one plane")
@@ -154,7 +159,7 @@ def _split_planes(geoms: Sequence[Geom]) -> tuple[Geom | None, list[Geom]]:
 
 
 def _lowest(bricks: Sequence[Brick]) -> float:
-    """Return the height [m] of the lowest point of all bricks."""
+    """Return the height [m] of the lowest point of the bricks."""
     return float(height_above_ground(Boxes.of(bricks)).min())
 
 

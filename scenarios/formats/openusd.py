@@ -1,4 +1,4 @@
-"""OpenUSD, an optional package: import it, or say how to install it."""
+"""The optional package OpenUSD: a test whether it is installed, and the message if it is missing."""
 
 from __future__ import annotations
 

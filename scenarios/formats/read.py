@@ -1,4 +1,4 @@
-"""Read a scene file of another simulator, by its suffix."""
+"""Read a file of another simulator; the suffix gives the format."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ def read_file(path: Path) -> Imported:
     """Return the content of a file, with all bodies in exact contact.
 
     Raises:
-        ImportRefusedError: if the file has an element that a scene cannot hold, or its reader is not installed; the
-            message names the element and the fix.
+        ImportRefusedError: if the file has an element that a scene cannot hold, or no reader for the file is installed;
+            the message names the fix.
     """
     suffix = path.suffix.lower()
     if suffix in SDF:

@@ -1,10 +1,13 @@
-"""Remove slight overlaps and gaps of imported bodies, because files round poses and statics needs exact contacts.
+"""Remove slight overlaps and gaps of imported bricks, because files round poses and statics needs exact contacts.
 
-1. Two bodies that overlap sideways by at most ``OVERLAP`` are moved apart along the normal of the overlap.
-2. From the lowest body up, each body sinks by at most ``GAP``, or rises by at most ``OVERLAP``, until it touches the
-   body or the ground below.
+The module takes the bricks from the lowest brick up, and moves each brick in two steps:
 
-A larger overlap or gap is an error that names both bodies. Each change is reported.
+1. If the brick overlaps a lower brick or a fixed body sideways by at most ``OVERLAP``, the module shifts the brick
+   along the normal of the overlap.
+2. The brick sinks by at most ``GAP``, or rises by at most ``OVERLAP``, until it touches the body or the ground below.
+
+The module refuses a larger overlap or gap with an error that names both bodies, and writes a note about each brick that
+moves by more than ``REPORTED``.
 """
 
 from __future__ import annotations
@@ -34,10 +37,10 @@ REPORTED = 1e-7
 
 
 def settled(imported: Imported) -> Imported:
-    """Return the content with all bodies in exact contact, lowest first, and a note about each change.
+    """Return the content with all bricks in exact contact, lowest brick first, and a note about each moved brick.
 
     Raises:
-        ImportRefusedError: if a body overlaps another body by more than ``OVERLAP``, or floats by more than ``GAP``.
+        ImportRefusedError: if a brick overlaps another body by more than ``OVERLAP``, or floats by more than ``GAP``.
     """
     there = [(f"fixed body {index}", body) for index, body in enumerate(imported.world.fixed)]
     order = np.argsort(height_above_ground(Boxes.of(imported.bricks)), kind="stable").tolist()
@@ -77,11 +80,13 @@ def _sunk(name: str, brick: Brick, there: Sequence[tuple[str, Brick]]) -> Brick:
         if -OVERLAP <= distance < room:
             room, below = distance, other
     if room < -OVERLAP:
-        raise ImportRefusedError(f"{name} is {-room * 1e3:.3f} mm below {below}: raise it by as much")
+        raise ImportRefusedError(
+            f"{name} overlaps {below} by {-room * 1e3:.3f} mm from above: raise {name} by this distance"
+        )
     if room > GAP:
         raise ImportRefusedError(
-            f"{name} floats {room * 1e3:.1f} mm above {below}, more than {GAP * 1e3:g} mm: lower it by as much, or "
-            "give it in a TOML file with the time of its placement"
+            f"{name} floats {room * 1e3:.1f} mm above {below}, more than {GAP * 1e3:g} mm: lower {name} by this "
+            "distance, or use a TOML file, which gives the time of each placement"
         )
     return _shifted(brick, np.array([0.0, 0.0, -room])) if math.isfinite(room) else brick
 

@@ -1,4 +1,7 @@
-"""Export a scene as URDF: a link for each brick, free in the link "world", and fixed links for fixed bodies."""
+"""Export a scene as URDF, the unified robot description format.
+
+The floating links are the bricks, and the fixed links are the fixed bodies.
+"""
 
 from __future__ import annotations
 
@@ -22,10 +25,11 @@ GROUND: tuple[float, float, float] = (100.0, 100.0, 1.0)
 def to_urdf(scene: Scene) -> str:
     """Return a scene as the text of a URDF file.
 
-    Bricks that the scene removes are left out. URDF has no gravity, no friction and no actions.
+    The file has no gravity, no friction, no actions, and no bricks that the scene removes or pulls out.
 
     Raises:
-        ExportRefusedError: if a body is a capsule or a polyhedron, which URDF has only as a mesh file.
+        ExportRefusedError: if a body is a capsule or a polyhedron, because URDF describes these shapes by mesh files
+            only.
     """
     root = ET.Element("robot", name=scene.variant)
     root.append(ET.Comment(f" gravity {scene.world.gravity} m/s2, friction {scene.world.friction} for every pair "))
@@ -70,7 +74,7 @@ def _add_geometry(geometry: ET.Element, name: str, body: Brick) -> None:
 
 
 def _angles(quaternion: Quaternion) -> tuple[float, float, float]:
-    """Return the angles [rad] of turns about the fixed axes x, y, z, in this order."""
+    """Return the angles [rad] of a quaternion's turns about the world's axes x, y and z, in this order."""
     matrix = rotation(np.array([quaternion]))[0]
     pitch = math.atan2(-matrix[2, 0], math.hypot(matrix[0, 0], matrix[1, 0]))
     if math.hypot(matrix[0, 0], matrix[1, 0]) < 1e-9:  # straight up or down: x and z turn about the same axis

@@ -18,8 +18,9 @@ from scenarios.solids import friction_of, moments_of
 def to_usd(scene: Scene) -> str:
     """Return a scene as the text of a USDA file, in metres and kilograms with z up.
 
-    Bricks that the scene removes are left out. A pair of materials has the average coefficient in the physics schema,
-    and the geometric mean in a scene: both are equal where the coefficients are.
+    The file has no actions, and no bricks that the scene removes or pulls out. A pair of bodies has the arithmetic mean
+    of both coefficients of friction in the physics schema, but the geometric mean in a scene. Both means are equal if
+    both coefficients are equal.
 
     Raises:
         ExportRefusedError: if OpenUSD is not installed.
@@ -59,7 +60,7 @@ def to_usd(scene: Scene) -> str:
 
 
 class _Materials:
-    """One material for each coefficient of friction."""
+    """The physics materials of a stage: a material for each coefficient of friction."""
 
     def __init__(self, stage: Any) -> None:
         self._stage, self._made = stage, dict[float, Any]()
@@ -78,7 +79,7 @@ class _Materials:
 
 
 def _add_body(stage: Any, path: str, body: Brick, world: World, materials: _Materials) -> Any:
-    """Add a transform with one collider; return the transform's prim."""
+    """Add a body to the stage, as a transform with a collider; return the transform's prim."""
     from pxr import Gf, UsdGeom, UsdPhysics
 
     transform = UsdGeom.Xform.Define(stage, path)

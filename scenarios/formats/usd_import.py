@@ -1,10 +1,12 @@
 """Import OpenUSD with the physics schema through OpenUSD's own Python package.
 
-- A prim with RigidBodyAPI becomes a brick. It must have one collider: Cube, Sphere, Capsule, Cylinder or a convex Mesh.
-- A collider outside rigid bodies becomes a fixed body; a Plane with the normal z becomes the ground.
-- Units are converted by metersPerUnit and kilogramsPerUnit. The up axis must be z.
-
-Joints are refused by name. A scene holds no visual prims, cameras and lights.
+- A prim with RigidBodyAPI becomes a brick. The prim must have one collider: Cube, Sphere, Capsule, Cylinder or a convex
+  Mesh.
+- A collider outside rigid bodies becomes a fixed body.
+- A Plane becomes the ground. The Plane's normal must be z.
+- The import converts lengths by metersPerUnit. Masses must be in kilograms, and the up axis must be z.
+- The import leaves out visual prims, cameras and lights.
+- The import refuses joints: the error names the joint.
 """
 
 from __future__ import annotations
@@ -46,12 +48,12 @@ def read_usd(path: Path) -> Imported:
     except Tf.ErrorException as error:
         raise ImportRefusedError(f"OpenUSD cannot read the file: {error}; correct the file") from error
     if UsdGeom.GetStageUpAxis(stage) != UsdGeom.Tokens.z:
-        raise ImportRefusedError("the stage has y up: set upAxis to Z, and turn its content")
+        raise ImportRefusedError("the up axis of the stage is y: set upAxis to Z, and turn the stage's content")
     prims = list(stage.Traverse())
     for prim in prims:
         if prim.IsA(UsdPhysics.Joint):
             raise ImportRefusedError(
-                f"joint '{prim.GetPath()}': a scene holds free and fixed bodies only: remove the joint"
+                f"joint '{prim.GetPath()}': a scene holds only free and fixed bodies; remove the joint"
             )
     unit = UsdGeom.GetStageMetersPerUnit(stage)
     rigid = [prim for prim in prims if prim.HasAPI(UsdPhysics.RigidBodyAPI)]
@@ -72,7 +74,7 @@ def read_usd(path: Path) -> Imported:
 
 
 def _owner(prim: Any, rigid: Sequence[Any]) -> Any:
-    """Return the rigid body that a collider belongs to; None for a fixed collider."""
+    """Return the rigid body of a collider; None for a fixed collider."""
     while prim and prim not in rigid:
         prim = prim.GetParent()
     return prim if prim in rigid else None
@@ -84,8 +86,8 @@ def _brick(body: Any, colliders: Sequence[Any], unit: float) -> Brick:
     path = body.GetPath()
     if len(colliders) != 1:
         raise ImportRefusedError(
-            f"rigid body '{path}' has {len(colliders)} colliders, but a brick has one convex shape: keep one of them, "
-            "or use a mesh of their convex hull"
+            f"rigid body '{path}' has {len(colliders)} colliders, but a brick has one convex shape: keep one "
+            "collider, or use a mesh of their convex hull"
         )
     shape = _shape(colliders[0], unit, 1.0)
     given = UsdPhysics.MassAPI(body)
@@ -101,7 +103,7 @@ def _brick(body: Any, colliders: Sequence[Any], unit: float) -> Brick:
 
 
 def _shape(prim: Any, unit: float, mass: float) -> Brick:
-    """Return a brick with shape and pose of a collider."""
+    """Return a brick with the shape and the pose of a collider."""
     from pxr import UsdGeom
 
     frame, origin, scale = _transform(prim)
@@ -116,11 +118,13 @@ def _shape(prim: Any, unit: float, mass: float) -> Brick:
         counts, indices = mesh.GetFaceVertexCountsAttr().Get(), mesh.GetFaceVertexIndicesAttr().Get()
         if not is_convex(points, _triangles(counts, indices)):
             raise ImportRefusedError(
-                f"mesh '{prim.GetPath()}' is not convex: replace it by its hull or by convex parts"
+                f"mesh '{prim.GetPath()}' is not convex: replace it by its convex hull, or by convex parts"
             )
         return polyhedron(points, position=(x, y, z), quaternion=quaternion_of(frame), mass=mass)
     if np.ptp(scale) > SKEW * scale.max():
-        raise ImportRefusedError(f"'{prim.GetPath()}' is a round shape with unequal scales {scale}: give it one scale")
+        raise ImportRefusedError(
+            f"'{prim.GetPath()}' is a round shape with unequal scales {scale}: make the scales equal"
+        )
     if prim.IsA(UsdGeom.Sphere):
         radius = float(UsdGeom.Sphere(prim).GetRadiusAttr().Get() * scale[0])
         return sphere(radius, position=(x, y, z), quaternion=quaternion_of(frame), mass=mass)
@@ -153,7 +157,7 @@ def _transform(prim: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 def _turn_to(axis: str) -> FloatArray:
-    """Return the rotation matrix that turns z to an axis of the shape."""
+    """Return the rotation matrix (3, 3) that turns the z axis to an ``axis`` "X", "Y" or "Z"."""
     matrices = {
         "X": [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]],
         "Y": [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]],
@@ -172,7 +176,7 @@ def _triangles(counts: Sequence[int], indices: Sequence[int]) -> list[tuple[int,
 
 
 def _friction(prim: Any) -> float:
-    """Return the static friction of the material of a collider; that of the planks' wood without a material."""
+    """Return the static friction of a collider's material, or the friction of the planks' wood without a material."""
     from pxr import UsdPhysics, UsdShade
 
     material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial("physics")

@@ -1,4 +1,4 @@
-"""Write a scene in the format of another simulator, by the format's name."""
+"""Write a scene in the format of another simulator."""
 
 from __future__ import annotations
 

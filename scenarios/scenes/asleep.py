@@ -1,14 +1,14 @@
-"""Bodies that must move and therefore must not sleep: after a removed support, in a common fall, under a new load.
+"""Bodies that must move and therefore must not sleep: after a removal, in a common fall, or under a new load.
 
 Theory, by case:
 
-- ``support``: a block lies on a pillar for ``PAUSE_S``; then the pillar is removed. The block falls by s
-  in sqrt(2 s / g): 0.2 m in 0.202 s.
-- ``pair``: two blocks, one on the other, fall together. They touch and do not move relative to each other, but both
-  fall: 0.2 m in 0.202 s.
-- ``striker``: a plank lies balanced on a pillar for ``PAUSE_S``; then a block drops on its end. About the pillar's
-  edge, the plank's weight has a lever arm of 0.05 m, and the block's weight, three times as large, has a lever arm of
-  0.10 m, so the plank tips.
+- ``support``: a block lies on a pillar for ``PAUSE_S``. Then the scene removes the pillar. The block falls a distance s
+  in the time sqrt(2 s / g): 0.2 m in 0.202 s.
+- ``pair``: two blocks, one on the other, fall together: 0.2 m in 0.202 s. The blocks touch, and do not move relative to
+  each other.
+- ``striker``: a plank lies balanced on a pillar for ``PAUSE_S``. Then a block drops on the plank's end. The lever arms
+  about the pillar's edge are 0.05 m for the plank's weight, and 0.10 m for the block's weight. The plank tips, because
+  the block is three times as heavy as the plank.
 
 Look for: a body that hangs in the air, and a plank that carries a load beyond its balance.
 """
@@ -45,10 +45,11 @@ TIPPED = 0.01
 
 @dynamic_scenario
 def asleep(*, case: Annotated[str, Choice("support", "pair", "striker")] = "support") -> Plan:
-    """Build bodies that have come to rest, or fall together, and must move.
+    """Build bodies that must not sleep, because they must move.
 
     Args:
-        case: "support": a support is removed; "pair": two blocks fall; "striker": a block drops on a balanced plank.
+        case: "support" for the removal of a support, "pair" for two blocks that fall, "striker" for a block that drops
+            on a balanced plank.
     """
     return {"support": _support, "pair": _pair, "striker": _striker}[case]()
 

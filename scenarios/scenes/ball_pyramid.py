@@ -2,17 +2,19 @@
 
 Theory: the upper sphere's contacts lie at a = asin(1 / sqrt(3)) = 35.26 deg to the vertical.
 
-- Without stops a lower sphere has three forces: its weight and the ground's force pass through its contact with the
-  ground, so the upper sphere's force does too. This force leans by a / 2 to the vertical and to the contact's normal.
-  So the pyramid opens if mu < tan(a / 2) = 0.318 between the spheres; on the ground mu > 0.080 suffices.
+- Without stops, three forces act on a lower sphere: its weight, the ground's force and the upper sphere's force. All
+  three pass through the contact with the ground, because the first two do. Therefore the upper sphere's force leans by
+  a / 2 to the vertical and to the contact's normal. The pyramid opens if mu < tan(a / 2) = 0.318 between the spheres.
+  On the ground mu > 0.080 suffices.
 - Above this limit friction balances the pyramid on level ground, but nothing resists one motion: the lower spheres roll
-  forward, the upper sphere turns backward like a gear, and all centres move together, without sliding or sinking. On
-  the least slope the pyramid rolls away. A scene that must stand needs a margin, so this scene is a study.
-- Each of three stops touches two lower spheres, so that two stops hold each sphere, 60 deg to both sides of outward.
-  Pressure alone holds the spheres, and no sphere can move unless another rises: each stop takes 2 W tan(a) / 3, with W
-  the weight of one sphere. A stop weighs twice as much as all spheres, so it does not slide if mu > 0.059. With one
-  stop outside each lower sphere, the pyramid could still turn about its axis: the spheres roll along the stops, away
-  from the axis, and the balance is unstable (Bullet and MuJoCo let it open after 4 s).
+  forward, and the upper sphere turns backward like a gear. All centres move together, and no contact slides. Therefore
+  the pyramid rolls away on the least slope. The scene is a study, because a scene that must stand needs a margin.
+- Each of three stops touches two lower spheres. Two stops hold each sphere, at 60 deg on either side of the outward
+  direction. Pressure alone holds the spheres, and no sphere can move unless another sphere rises. With the weight W of
+  a sphere, the force on each stop is 2 W tan(a) / 3. A stop weighs twice as much as all spheres together. Therefore a
+  stop does not slide if mu > 0.059.
+- With a stop outside each lower sphere instead, the pyramid could turn about its axis, because the spheres roll along
+  the stops. This balance is unstable: the pyramid opens after 4 s in Bullet and in MuJoCo.
 
 Look for: spheres that roll apart below the limit, and only without stops.
 """
@@ -53,7 +55,7 @@ def ball_pyramid(
 
     Args:
         margin: share by which the friction exceeds its limit without stops.
-        stops: "three" for a heavy block beside each pair of lower spheres, "none" for no block.
+        stops: "three" for a heavy block beside each pair of lower spheres, "none" for no blocks.
         scale: factor on all lengths.
     """
     radius = RADIUS * scale
@@ -90,7 +92,7 @@ def _expectation(margin: float, stops: str) -> Expectation:
 
 
 def _stops(reach: float, load: float, scale: float) -> list[Brick]:
-    """Return the blocks between the lower spheres' directions, each with a face at ``reach`` [m] from the axis."""
+    """Return the three stops, each with a face at the distance ``reach`` [m] from the axis."""
     edge = 3 * RADIUS * scale
     middle = reach + edge / 2
     size = (edge, edge, edge)

@@ -1,12 +1,16 @@
 """A column of cubes on a conveyor belt that starts and stops.
 
-Theory, in the frame of the belt, which accelerates at a: the inertial force m a pushes a column of n cubes of edge b
-backward at its middle, n b / 2 high, and the weight m g acts b / 2 before its rear edge. So the column tips
-if a > g / n. The column does not slide while a < mu g. At half of g / n the belt carries the column along. At
-one and a half times g / n the column tips, if the acceleration lasts long enough to move the centre of mass beyond the
-edge.
+Theory: the belt accelerates at a, and carries a column of n cubes with edge b and total mass m. In the belt's frame two
+forces act on the column:
 
-Look for: a frozen column must travel with the belt, and must tip where a column that is awake tips.
+- the inertial force m a, backward, at the height n b / 2 of the column's middle;
+- the weight m g, at the distance b / 2 from the column's rear edge.
+
+Therefore the column tips if a > g / n. The column does not slide while a < mu g. At half of g / n the belt carries the
+column along. At one and a half times g / n the column tips if the acceleration moves the centre of mass beyond the edge
+before the acceleration ends.
+
+Look for: a frozen column must travel with the belt, and must tip at the same acceleration as a column that is awake.
 """
 
 from __future__ import annotations

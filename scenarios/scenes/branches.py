@@ -1,10 +1,13 @@
-"""A trunk that splits: a plate on one trunk carries two, three or four columns, and one column is loaded.
+"""A trunk that splits: a plate on a trunk carries two, three or four columns, and a load lies on one column.
 
-Theory: plate and columns together (mass M) have their centre of mass above the middle of the trunk, whose half width is
-a. A load p on the column at x = r tips the whole stack about the trunk's edge if p (r - a) > M a.
+Theory: the trunk has the half width a. Plate and columns together have the mass M, and their centre of mass lies above
+the trunk's middle. A load of mass p on the column at x = r tips the whole stack about the trunk's edge if p
+(r - a) > M a.
+
+The scene places the columns together, so that nothing tips before the scene places the load.
 
 Look for: each column alone stands on the plate, with any load. Only the moments of all columns about the trunk's edge
-show that the stack tips. The columns are placed together, so that nothing tips before the load is placed.
+show that the stack tips.
 """
 
 from __future__ import annotations
@@ -32,7 +35,7 @@ HALF_TRUNK, RADIUS, COLUMN, HALF_PLATE = 0.14, 0.34, 0.12, 0.45
 
 @scenario
 def branches(*, columns: Annotated[int, Whole(2, 4)] = 4, margin: Margin = 0.3, scale: Scale = 4.0) -> Plan:
-    """Build a plate with columns on one trunk, and load one column.
+    """Build a plate with columns on a trunk; then load one column.
 
     Args:
         columns: number of columns, 2, 3 or 4; two columns stand on a plank, more columns on a square plate.

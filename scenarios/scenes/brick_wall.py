@@ -2,8 +2,8 @@
 
 Theory: divide every joint between courses into pieces of half a plank, and let one force act in the middle of each
 piece. A half plank has one support straight below its load. A whole plank has two supports at equal arms, and moments
-about its middle give both forces. All these forces are pressures, nearly equal along a course, so the wall is in
-equilibrium at any height. Forces between neighbours of a course are not needed, whether the neighbours touch or not.
+about its middle give both forces. All these forces are pressures, nearly equal along a course. Therefore the wall is in
+equilibrium at any height, without forces between the neighbours of a course.
 
 Look for: most planks have two supports and two loads. An engine that distributes the loads badly opens the joints at
 the ends, where a half plank stands on one side of a whole plank.
@@ -27,7 +27,7 @@ def brick_wall(
 
     Args:
         courses: number of courses.
-        width: number of whole planks in odd courses; even courses have one whole plank less, and a half plank at each
+        width: number of whole planks in odd courses. Even courses have one whole plank less, and a half plank at each
             end.
         gap: distance between neighbours of a course [mm]; at 0 their faces touch.
     """
@@ -42,7 +42,10 @@ def brick_wall(
 
 
 def _course(level: int, width: int, gap: float) -> list[Brick]:
-    """Return one course, left to right, with gaps of ``gap`` [m]; two half planks and a gap are as long as a plank."""
+    """Return the planks of a course, left to right, with gaps of ``gap`` [m].
+
+    Two half planks and a gap are as long as a whole plank.
+    """
     pitch, half = LENGTH + gap, (LENGTH - gap) / 2
     wholes = width - (level + 1) % 2
     row = [lay((index - (wholes - 1) / 2) * pitch, level=level) for index in range(wholes)]

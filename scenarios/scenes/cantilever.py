@@ -1,12 +1,18 @@
-"""A cantilever: a beam on a pier, a counterweight on its inner end, a load on its outer end; then a weight is removed.
+"""A beam on a pier, with a counterweight on the inner end and a load on the outer end; then the scene removes a weight.
 
-Theory: moments about the pier's edge, with m and L the mass and the length of the beam. The beam holds with the moment
-0.05 m L and the counterweight with 2 m times 0.4 L; the load p pulls with 0.3 L p. So the stack stands while
-p < 2.83 m. Without the counterweight the beam carries at most m / 6, so the stack falls. Without the load the stack
-stands.
+Theory: the beam has the mass m and the length L, the counterweight the mass 2 m, and the load the mass p. The moments
+about the pier's edge, over g, are
 
-Look for: the counterweight decides, although it is not above or below the load. A rule that looks only at bodies
-straight above their support lets the beam stand without its counterweight, or tips it while the counterweight is there.
+    beam             0.05 m L    inward
+    counterweight    0.80 m L    inward
+    load             0.30 p L    outward
+
+- With both weights the stack stands while p < 2.83 m.
+- Without the counterweight the beam carries at most m / 6, and the stack falls.
+- Without the load the stack stands.
+
+Look for: the counterweight decides, although it is not above or below the load. A rule that considers only bodies
+straight above their support errs: the beam stands without its counterweight, or tips with it.
 """
 
 from __future__ import annotations
@@ -42,7 +48,8 @@ def cantilever(
 
     Args:
         margin: share by which the load is lighter than the limit; negative if the load is heavier.
-        taken: brick that is removed two seconds after the placement of the load: "nothing", "load" or "counterweight".
+        taken: brick that the scene removes two seconds after the load's placement: "nothing", "load" or
+            "counterweight".
         scale: factor on all lengths, relative to the standard plank.
     """
     if taken != "nothing" and margin <= 0:

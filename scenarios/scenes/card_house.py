@@ -1,36 +1,43 @@
 """The paper's card house: planks leaning in pairs (inverted Vs), storeys divided by flat planks.
 
-One storey is a single V. A house of n storeys has n Vs side by side on the ground, n - 1 above and so on; between the
-storeys a roof plank bridges each pair of neighbouring ridges. Levels count Vs and roofs in turn, so n storeys make
-2 n - 1 levels; the top has no roof. All planks lie in the x-z plane.
+A house of one storey is a single V. A house of n storeys has n Vs side by side on the ground, n - 1 Vs above, and so
+on. Between the storeys a roof plank bridges each pair of neighbouring ridges. The top has no roof. Levels count Vs and
+roofs in turn: n storeys make 2 n - 1 levels. All planks lie in the x-z plane.
 
-Layout. The ridges of a storey are so far apart that a roof plank covers both and overhangs by ``OVERHANG``. Over three
-ridges two roof planks must meet above the middle ridge, each on its own side of that ridge, so the layout moves these
-planks outward until they leave the usual gap between them. Upper Vs stand centred between the ridges below. Over four
-and more ridges whole planks do not fit, so the planks between the outermost two are shortened to leave the usual gap.
+Layout:
 
-Theory. A plank of weight w that leans at theta from the ground and carries P at its top is pushed sideways at the
-ridge with H = (w / 2 + P) (cot theta - t / L) (L, t: length and thickness), while its foot carries w + P.
+- Two ridges: a roof plank covers both ridges and overhangs each by ``OVERHANG``.
+- Three ridges: two roof planks meet above the middle ridge. The layout moves both planks outward until the usual gap is
+  between them.
+- Four ridges and more: whole planks do not fit. The layout shortens all planks except the outermost two, and leaves the
+  usual gaps.
+- Upper Vs stand in the middle between the ridges below.
 
-- If the ridge's normal is horizontal, only the foot needs friction: mu >= H / (w + P). The limit grows with the load,
-  from (cot theta - t / L) / 2 for a V alone toward cot theta - t / L. Exact statics at 72 deg, where roofs hold the
-  ridges together by their friction: 0.129, 0.183 and 0.208 for one, two and three storeys.
-- Two edges meet at the ridge, and most engines report a plank's face as the normal there (not Jolt and Havok, whose
-  normal is horizontal). The same horizontal force then leans 90 deg - theta from the normal: mu >= cot theta, which
-  requires more friction, at any load: 0.325 at 72 deg.
+Theory: a plank of weight w, length L and thickness t leans at theta from the ground, and carries the load P at its top.
+The plank's foot carries w + P. The force at the ridge has the horizontal part
 
-So a house stands if mu >= cot theta, and its first V falls if mu < (cot theta - t / L) / 2; in between the ridge's
-normal decides, and the scene is a study.
+    H = (w / 2 + P) (cot theta - t / L)
 
-With ``slenderness`` the planks become cards: as long and as wide as planks, but thinner, of the same wood. Houses of
-cards stand at flatter angles, because thinner cards leave more room between neighbouring Vs. Thin boxes are a test of
-contact detectors: published card houses have 88 (65 deg, mu = 0.8) and 200 (mu = 0.7) times the thickness.
+- If the ridge's normal is horizontal, only the foot needs friction: mu >= H / (w + P). This limit grows with the load,
+  from (cot theta - t / L) / 2 for a V alone toward cot theta - t / L. Exact statics at 72 deg gives 0.129, 0.183 and
+  0.208 for one, two and three storeys, because the friction of the roofs helps to hold the ridges.
+- Most engines report a plank's face normal at the ridge, because two edges meet there. The normal of Jolt and Havok is
+  horizontal. With a face normal the force H leans 90 deg - theta from the normal. The ridge then needs more friction,
+  at any load: mu >= cot theta, which is 0.325 at 72 deg.
 
-Both sides of a storey are placed together, because a plank that loads only one half of a V needs a vertical force at
-its ridge, where theory has no single answer. The planks of a V keep a gap of ``RIDGE_GAP``, so that rounding cannot
-make them overlap.
+Therefore a house stands if mu >= cot theta, and its first V falls if mu < (cot theta - t / L) / 2. Between both limits
+the ridge's normal decides, and the scene is a study.
 
-Look for: feet that creep apart, and a ridge that drops. A V that stands with mu below its limit is a false stand.
+The parameter ``slenderness`` makes cards of the planks: as long and as wide as planks, but thinner, of the same wood.
+Houses of cards stand at flatter angles, because thinner cards leave more room between neighbouring Vs. Thin boxes test
+contact detectors. Published card houses have a slenderness of 88 (65 deg, mu = 0.8) and 200 (mu = 0.7).
+
+The scene places both sides of a storey together. A plank on only one half of a V would need a vertical force at the
+ridge, and theory does not determine this force. The planks of a V keep a gap of ``RIDGE_GAP``, so that rounding cannot
+make the planks overlap.
+
+Look for: feet that creep apart, and a ridge that drops. A V that stands with less friction than its limit is a false
+stand.
 """
 
 from __future__ import annotations
@@ -57,7 +64,7 @@ noise."""
 
 
 class Card(NamedTuple):
-    """A leaning card, and the gap of its V at the ridge."""
+    """A leaning card of a V."""
 
     theta: float
     """Angle [rad] from the ground."""
@@ -94,13 +101,13 @@ def card_house(
     gap: Gap = 2.0,
     slenderness: Annotated[float, Real(PLANK, 200)] = PLANK,
 ) -> Plan:
-    """Build leaning pairs of planks under flat roofs; one storey is the inverted V.
+    """Build leaning pairs of planks (inverted Vs) under flat roofs.
 
     Args:
         storeys: number of storeys, and of Vs on the ground.
         theta: angle [deg] between a leaning plank and the ground.
         friction: Coulomb coefficient of every pair.
-        gap: distance between roof planks [mm], and least distance between the feet of two Vs; at 0 roof planks touch.
+        gap: distance between roof planks [mm], and least distance between the feet of two Vs; 0 lets roof planks touch.
         slenderness: length of a plank over its thickness.
     """
     angle = math.radians(theta)
@@ -128,12 +135,12 @@ def expected(theta: float, friction: float, slenderness: float = PLANK) -> Expec
 
 
 def _groups(storeys: int, card: Card, gap: float) -> list[Sequence[Brick]]:
-    """Return the groups in order of placement: single Vs on the ground, then whole roofs and whole storeys in turn."""
+    """Return the groups of planks in order of placement: each V on the ground, then roofs and storeys in turn."""
     spacing = LENGTH - 2 * (card.edge + card.ridge_gap / 2 + OVERHANG)
     if storeys > 1 and spacing < 2 * (card.spread + card.edge) + gap:
         raise ValueError(
-            f"theta is too flat for more than one storey, got {math.degrees(card.theta):g}, because such Vs collide "
-            "before a roof plank reaches two ridges; use theta = 70 or more for planks, thinner planks by "
+            f"theta is too flat for more than one storey, got {math.degrees(card.theta):g} deg, because neighbouring "
+            "Vs collide before a roof plank reaches two ridges; use theta = 70 or more for planks, thinner planks by "
             "slenderness = 88, or storeys = 1"
         )
     groups: list[Sequence[Brick]] = []
@@ -148,12 +155,12 @@ def _groups(storeys: int, card: Card, gap: float) -> list[Sequence[Brick]]:
 
 
 def _roofs(ridges: int, spacing: float, roof: Callable[..., Brick], gap: float) -> list[Brick]:
-    """Return the planks across each pair of neighbouring ridges; only the outermost planks are whole.
+    """Return the roof planks across each pair of neighbouring ridges.
 
     Args:
         ridges: number of ridges.
         spacing: distance [m] between neighbouring ridges.
-        roof: function that returns a plank of the roof at x [m], of a ``length`` [m].
+        roof: function that returns a roof plank at x [m] with a ``length`` [m].
         gap: distance [m] between roof planks.
     """
     middles, sawn = _row(ridges - 1, spacing), spacing - gap
@@ -168,11 +175,11 @@ def _roofs(ridges: int, spacing: float, roof: Callable[..., Brick], gap: float) 
 
 
 def _inverted_v(x: float, card: Card, level: int, bottom: float) -> list[Brick]:
-    """Return two planks that lean against each other over ``x``."""
+    """Return two planks that lean against each other, with the ridge at ``x`` [m]."""
     leaning = partial(lean, theta=card.theta, level=level, bottom=bottom, thickness=card.thickness)
     return [leaning(x - card.spread, toward=1), leaning(x + card.spread, toward=-1)]
 
 
 def _row(count: int, pitch: float) -> list[float]:
-    """Return ``count`` positions [m] at a distance of ``pitch`` [m], symmetric about 0."""
+    """Return ``count`` positions [m], symmetric about 0, with the distance ``pitch`` [m] between neighbours."""
     return [(index - (count - 1) / 2) * pitch for index in range(count)]

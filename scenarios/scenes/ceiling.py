@@ -1,11 +1,11 @@
-"""A column that fills the room between the ground and a fixed ceiling; then bricks of the column are removed.
+"""A column that fills the room between the ground and a fixed ceiling; then the scene removes bricks of the column.
 
-Theory: the ceiling touches the topmost brick and can only push it down. Without the bricks below it, the topmost brick
-falls freely. Without the topmost brick, the other bricks stand as before, under less load.
+Theory: the ceiling touches the topmost brick and can only push this brick down. Without the bricks below, the topmost
+brick falls freely. Without the topmost brick, the lower bricks stand as before, under less load.
 
 The scene places the topmost brick on the column without a gap, because there is no room above the brick.
 
-Look for: a contact above a brick is no support. A brick that stays under the ceiling hangs from it.
+Look for: a contact above a brick is no support. A brick that stays under the ceiling hangs from the ceiling.
 """
 
 from __future__ import annotations
@@ -33,7 +33,8 @@ def ceiling(
 
     Args:
         bricks: number of bricks of the column.
-        taken: bricks that are removed: "upper", the brick that touches the ceiling, or "lower", all others.
+        taken: bricks that the scene removes: "upper" for the topmost brick, "lower" for all bricks below the topmost
+            brick.
     """
     column = [box(BRICK, 0.0, level=level, bottom=(level - 1) * BRICK[2]) for level in range(1, bricks + 1)]
     time = bricks - 1 + PAUSE_S

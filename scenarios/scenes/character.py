@@ -1,14 +1,15 @@
-"""A plank on a pedestal and a prop, with a character moving on its inner end; the prop is removed, then the character.
+"""A plank on a pedestal and a prop, with a moving character; the scene removes the prop, then the character.
 
 Theory: moments about the pedestal's edge. Without the prop, the plank stands because the character's weight acts on the
 plank's inner end. Without the character, the plank stands if its own centre of mass is above the pedestal, and tips if
-the centre is beyond the edge. The margin is the distance of the plank's centre of mass from the edge, inward, over half
-the plank's length.
+the centre is beyond the edge. The margin is the distance of the centre from the edge, inward, over half the plank's
+length.
 
-Eight pushes a second, alternately to the left and to the right, give the character a speed v of 0.05 m/s each. Friction
-stops the character after v^2 / (2 mu g) = 0.28 mm. So it is never at rest for long, like a player's figure in a game.
+The character is a block that never rests for long, like a player's figure in a game. Eight pushes a second, alternately
+to the left and to the right, give the block a speed v of 0.05 m/s each. Friction stops the block after v^2 / (2 mu
+g) = 0.28 mm.
 
-Look for: a stack that stood with the character's help must be judged again when the character leaves.
+Look for: a stability extension must judge the stack again when the character leaves.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ ALONE_S, WITHOUT_PROP_S = 3.0, 3.0
 
 @dynamic_scenario
 def character(*, margin: Margin = 0.3, scale: Scale = 2.0) -> Plan:
-    """Build a plank on pedestal and prop, on which a character moves; remove the prop, then the character.
+    """Build a plank on a pedestal and a prop, with a moving character; remove the prop, then the character.
 
     Args:
         margin: distance of the plank's middle inside the pedestal's edge, over half the plank's length; negative if the

@@ -1,15 +1,21 @@
-"""A corbelled arch: planks on two sides step inward, one a course, until a capstone bridges the gap.
+"""A corbelled arch: on two sides each plank reaches beyond the plank below, until a capstone bridges the gap.
 
-Theory: each side alone is a leaning tower of n planks and stands while n d < L (d: step, L: length of a plank). The
-capstone adds half a plank's weight to each side. This force acts at best at the outer end of the overlap o between the
-capstone and the top plank, so at (n - 1) d + L / 2 - o from the middle of the lowest plank. Moments about the inner
-edge of the lowest plank give the largest step: d = (L + o / (n - 1)) / (n + 1). Friction below the capstone may push
-the sides apart by mu / 2 of the capstone's weight, (n - 1) t above this edge (t: thickness), which adds mu t to L. The
-answer counts as known if the arch stands without this friction, or falls in spite of it. Upper parts of a side are
-shorter, so they are safer. Both sides are mirror images, and the scene places both sides of a course together.
+Theory, with the length L and the thickness t of a plank, the step d, n planks a side, and the overlap o of the capstone
+and a top plank:
 
-Look for: only weight locks a corbelled arch. Beyond the limit both sides turn inward, about their lowest planks' edges,
-as soon as the capstone lies on them.
+- Each side alone is a leaning tower, which stands while n d < L.
+- The capstone adds half a plank's weight to each side. At best this force acts at the outer end of the overlap, at
+  (n - 1) d + L / 2 - o from the middle of the lowest plank. Moments about the inner edge of the lowest plank give the
+  largest step d = (L + o / (n - 1)) / (n + 1).
+- Friction below the capstone may push the sides apart with at most mu / 2 of the capstone's weight. This force acts
+  (n - 1) t above the edge, and adds at most mu t to L. The scene has a known answer if the arch stands without this
+  friction, or falls in spite of it.
+- Upper parts of a side are safer, because they are shorter.
+
+Both sides are mirror images. The scene places both sides of a course together.
+
+Look for: only weight locks a corbelled arch. Beyond the limit both sides turn inward about their lowest planks' edges,
+as soon as the scene places the capstone.
 """
 
 from __future__ import annotations
@@ -32,9 +38,9 @@ def corbelled_arch(*, courses: Annotated[int, Whole(2, 30)] = 5, margin: Margin 
 
     Args:
         courses: number of planks of each side.
-        margin: share by which the steps are smaller than the limit without friction; if negative, the steps are larger
-            than the limit with friction. Below about -1 / ``courses`` the sides would fall before the capstone is
-            placed.
+        margin: share by which the steps are smaller than the limit without friction; if negative, share by which the
+            steps are larger than the limit with friction. Below about -1 / ``courses`` the sides would fall before the
+            capstone's placement.
         scale: factor on all lengths, relative to the standard plank.
     """
     length, width, thickness, _ = plank_of(scale)

@@ -1,13 +1,16 @@
 """A ring of wedge-shaped stones on a seat that slopes down inward, as in a dome: a whole ring, or half a ring.
 
-Theory: the seat slopes by ``SLOPE``, above the angle of friction, so a single stone slides inward. In a whole ring the
-stones' sides, which point to the axis, press against each other, and by symmetry pressure alone holds all stones: on
-each stone the sides push outward with 2 P sin(pi / n) = W tan(slope). In half a ring the two outer stones have no
-pressure on one side, so the stones slide inward: exact statics finds no forces that hold them. But engines show that
-they meet the seats of their neighbours after 20 mm, where they may jam, so half a ring is a study.
+Theory: a single stone slides inward, because the seat's ``SLOPE`` exceeds the angle of friction.
+
+- Whole ring: the sides of each stone point to the axis, and neighbours press against each other. By symmetry this
+  pressure alone holds all stones. With n stones of weight W, the pressure P between neighbours satisfies
+  2 P sin(pi / n) = W tan(slope).
+- Half a ring: the two outer stones have no pressure on one side, and the stones slide inward. Exact statics finds no
+  forces that hold the stones. In engines the stones meet the seats of their neighbours after 20 mm, and may jam there.
+  Therefore half a ring is a study.
 
 Look for: pressure between the sides, which arises only as the stones begin to slide. A rule that judges each stone by
-what lies below it freezes half a ring, or never freezes a whole ring.
+the bodies below the stone freezes half a ring, or never freezes a whole ring.
 """
 
 from __future__ import annotations
@@ -85,7 +88,10 @@ def _sector(
     bottom: Callable[[float], float],
     top: Callable[[float], float],
 ) -> Brick:
-    """Return a body between two planes through the axis, with its bottom and top height [m] at the distance x."""
+    """Return a body between two planes through the axis.
+
+    ``bottom`` and ``top`` give the body's heights [m] at the distance x [m] from the axis.
+    """
     half = width * math.tan(math.pi / stones)
     corners: list[Vector] = [
         (scale * x, scale * side * x * half, scale * height(x))

@@ -1,15 +1,19 @@
-"""A row of dominoes, the first of which a striker pushes over, or not quite.
+"""A row of dominoes, and a striker that pushes the first domino beyond its limit, or not quite to its limit.
 
-Theory: the striker slides on a shelf and is higher than a domino (height h, thickness b), so it touches the domino only
-near the upper rear edge, and pushes this edge once the domino leans. A domino that leans forward by p about its lower
-front edge has moved this edge by d(p) = h sin(p) + b (1 - cos(p)). The domino's centre passes over the front edge at
-p = atan(b / h), so the domino falls if the striker moves it by more than d(atan(b / h)), and stands up again if the
-striker stops before. It tips before it slides, because a push at the height s of the shelf needs b / (2 s) = 0.14 of
-the weight, less than the friction of 0.45. The striker is slow, so the domino's speed does not matter. The gap between
-neighbours is less than h, so one falling domino topples the whole row.
+Theory, for a domino of height h and thickness b, and a striker on a shelf of height s:
 
-Look for: the chain. Each domino of a row that falls must topple the next one: a rule that freezes a domino while its
-neighbour falls stops the chain.
+- The striker is higher than a domino, and therefore pushes the domino's upper rear edge.
+- A domino that leans forward by p about its lower front edge has moved the upper rear edge by d(p) = h sin(p) + b
+  (1 - cos(p)).
+- The domino's centre passes over the front edge at p = atan(b / h). The domino falls if the striker moves the upper
+  rear edge by more than d(atan(b / h)). If the striker stops before, the domino stands up again.
+- The domino tips before it slides, because the push that tips the domino is b / (2 s) = 0.14 of the weight, less than
+  the friction of 0.45.
+- The domino's speed does not matter, because the striker is slow.
+- A falling domino topples the whole row, because the gap between neighbours is less than h.
+
+Look for: in a row that falls, each domino must topple the next domino. A rule that freezes a domino while its neighbour
+falls stops the row.
 """
 
 from __future__ import annotations
@@ -48,7 +52,7 @@ def dominoes(*, count: Annotated[int, Whole(1, 100)] = 5, margin: Margin = 0.5) 
 
     Args:
         count: number of dominoes.
-        margin: share by which the striker stops before the limit; if negative, it pushes further than the limit.
+        margin: share by which the striker stops before the limit; negative if the striker stops beyond the limit.
     """
     thickness, _, height = SIZE
     lean = math.atan(thickness / height)

@@ -1,12 +1,16 @@
-"""A plank that is dropped from a height onto a tower.
+"""A plank that drops onto a tower.
 
-Theory: the drop supplies the energy m g h. To tip the upper k planks over a long edge of the plank below takes
-k m g (sqrt(e^2 + z^2) - z), with half the width e and z = k t / 2 (t: thickness); the topmost plank alone needs the
-least energy. While m g h is less than half of this least energy, nothing can tip, whichever plank gets the energy, and
-nothing slides, because the plank strikes the middle. From a greater height, dynamics decide, and the scene is a study.
+Theory: a drop from the height h supplies the energy m g h. The upper k planks, of mass m and thickness t each, need the
+energy
 
-Look for: a blow on a frozen brick must unfreeze the bodies that it can move, and no others; a stack that withstands
-every blow is a false stand.
+    k m g (sqrt(e^2 + z^2) - z),    z = k t / 2,    e: half the width
+
+to tip over a long edge of the plank below. The topmost plank alone needs the least energy. While m g h is less than
+half of this least energy, nothing can tip, whichever plank gets the energy. Nothing slides, because the plank strikes
+the middle. From a greater height, dynamics decide, and the scene is a study.
+
+Look for: a blow on a frozen brick must unfreeze only the bodies that the blow can move. A stack that withstands every
+blow is a false stand.
 """
 
 from __future__ import annotations

@@ -1,14 +1,15 @@
 """The paper's 4-stack: four planks a level in a pinwheel, whose sense of rotation alternates.
 
 Each plank's end meets the next plank's side across a gap. The next level turns the other way round, so that every plank
-lies on one plank for most of its length and bridges the joint to the next plank with its end.
+lies on one plank for most of its length, and lies with its end on a second plank.
 
-Theory: on each of the four sides the planks are shifted along their length, alternately left and right, by half a gap
-plus half a width: 12.7 mm. The centre of mass of any upper part of a side lies at most 12.7 mm from the middle line,
-and the planks of two levels overlap by 45.8 mm on either side of that line. So each side alone is in equilibrium at any
+Theory: on each of the four sides the planks shift along their length, alternately left and right, by half a gap plus
+half a width: 12.7 mm. The centre of mass of any upper part of a side lies at most 12.7 mm from the middle line. The
+planks of two levels overlap by 45.8 mm on either side of this line. Therefore each side alone is in equilibrium at any
 height. Without a gap, the values are 11.7 mm and 46.8 mm.
 
-Look for: every plank has two supports, and its load can pass to either. The stack sinks first; then one side gives way.
+Look for: every plank has two supports, and its load can pass to either support. The stack sinks first; then one side
+gives way.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ def four_stack(*, levels: Annotated[int, Whole(1, 200)] = 30, gap: Gap = 2.0) ->
 
     Args:
         levels: number of levels, of four planks each.
-        gap: distance between a plank's end and the side of the next plank [mm]; at 0 they touch.
+        gap: distance between a plank's end and the side of the next plank [mm]; at 0 the planks touch.
     """
     planks = [plank for level in range(1, levels + 1) for plank in _pinwheel(level, gap * 1e-3)]
     return Plan(
@@ -40,7 +41,7 @@ def four_stack(*, levels: Annotated[int, Whole(1, 200)] = 30, gap: Gap = 2.0) ->
 
 
 def _pinwheel(level: int, gap: float) -> list[Brick]:
-    """Return the four planks of one level, from side to side around the stack, with gaps of ``gap`` [m]."""
+    """Return the four planks of a level, around the stack, with gaps of ``gap`` [m]."""
     along = (gap + WIDTH) / 2 * (-1) ** level
     out = (LENGTH + gap) / 2
     quarter_turns = (0.0, math.pi / 2, math.pi, -math.pi / 2)

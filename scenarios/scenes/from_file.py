@@ -1,6 +1,6 @@
 """A user's own scene, without code: a file of bricks, for which exact statics gives the expected outcome.
 
-``scenarios.formats`` reads MJCF, URDF and USD files, whose bodies are all in place at time 0. A TOML file has times:
+``scenarios.formats`` reads MJCF, URDF and USD files, and places all their bodies at time 0. A TOML file has times:
 
     name = "mine"                      # optional, as all fields before the first brick
     friction = 0.45
@@ -34,11 +34,11 @@
     velocity = [0.1, 0.0]              # m/s
     seconds = 1.0
 
-Bricks must touch their support to within 0.2 mm, and must not overlap. The module shifts bricks with the same time
-along z, as one group, so that the group touches its support exactly. The module also finds the level of each brick: a
-brick on the ground has level 1, and any other brick is one level above the highest brick that it stands on or leans
-against. Bricks with the same time that form several levels are a prebuilt stack: the scene places the stack without a
-gap, instead of dropping it from ``CLEARANCE``.
+Bricks must touch their support to within 0.2 mm, and must not overlap. The module shifts the bricks of one time along
+z, as one group, so that the group touches its support exactly. The module also finds the level of each brick. A brick
+on the ground has level 1. Every other brick is one level above the highest brick that it stands on or leans against.
+Bricks of one time that form several levels are a prebuilt stack: the scene places the stack without a gap, and does not
+drop the stack from ``CLEARANCE``.
 
 Three parameters change the whole scene:
 
@@ -46,12 +46,17 @@ Three parameters change the whole scene:
 - ``mass``: factor on all masses;
 - ``yaw``: turn about z.
 
-Statics does not depend on these parameters, so the answer must not depend on them either. Falls take sqrt(``size``)
-times as long, so for a ``size`` above 1 all times grow by this factor, including ``watch_s``.
+The outcome must not depend on these parameters, because statics does not depend on them. For a ``size`` above 1 all
+times grow by sqrt(``size``), including ``watch_s``, because falls take longer by this factor.
 
-Theory: ``scenarios.statics.truth.first_fall``, under both conventions for the normal at a ridge. If the two answers
-differ, no proof is found, the file has a push or a pull, or more than ``MOST_JUDGED`` bricks, the scene is a study.
-Statics ignores energy: keep the deciding quantity 5 % away from its limit.
+Theory: ``scenarios.statics.truth.first_fall``, under both conventions for the normal at a ridge. The scene is a study
+
+- if the two answers differ;
+- if statics finds no proof;
+- if the file has a push or a pull;
+- if the file has more than ``MOST_JUDGED`` bricks.
+
+Statics ignores energy. Keep the deciding quantity at least 5 % away from its limit.
 """
 
 from __future__ import annotations
@@ -102,11 +107,11 @@ def own_scene(
     mass: Annotated[float, Real(1e-3, 1e3)] = 1.0,
     yaw: Annotated[float, Real(-360, 360)] = 0.0,
 ) -> Scene:
-    """Build a scene of your own, from the bodies in a TOML, MJCF, URDF or USD file.
+    """Build a scene of your own from a TOML, MJCF, URDF or USD file.
 
     Args:
         file: path of the file, or the name of a file in ``scenarios/examples``.
-        size: factor on all lengths, but not on masses; above 1, the square root of ``size`` is the factor on all times.
+        size: factor on all lengths, but not on masses. Above 1, the square root of ``size`` is the factor on all times.
         mass: factor on all masses.
         yaw: turn of the whole scene about the z axis [deg].
     """
@@ -131,7 +136,9 @@ def own_scene(
 
 @lru_cache(maxsize=64)
 def _scene(file: str, path: Path, text: str, digest: str, size: float, mass: float, yaw: float) -> Scene:
-    """Return the scene of a file; its id includes the digest of the content, so that a changed file is another scene.
+    """Return the scene of a file.
+
+    The scene's id includes the digest of the content, so that a changed file is another scene.
 
     Args:
         file: the file as the user names it.
@@ -163,7 +170,7 @@ def _scene(file: str, path: Path, text: str, digest: str, size: float, mass: flo
 
 
 def _imported(path: Path) -> OwnContent:
-    """Return the content of a file of another format: all bodies are in place at time 0."""
+    """Return the content of an MJCF, URDF or USD file, with all bodies in place at time 0."""
     imported = read_file(path)
     times = (0.0,) * len(imported.bricks)
     bricks = levelled(imported.bricks, times, imported.names, imported.world.fixed)
@@ -171,7 +178,7 @@ def _imported(path: Path) -> OwnContent:
 
 
 def _variant(name: str, digest: str, parameters: Mapping[str, Value]) -> str:
-    """Return the id of the variant: name and digest of a file other than the default, then all changed parameters."""
+    """Return the id of the variant: name and digest unless the file is the default, then all changed parameters."""
     default = own_scene.defaults["file"]
     plain = re.sub(r"[^A-Za-z0-9_-]", "_", name)
     content = "" if parameters["file"] == default else f"-{plain}-{digest}"
@@ -190,7 +197,10 @@ def _actions(content: OwnContent, bricks: Sequence[Brick], size: float, mass: fl
 
 
 def _transformed(action: Remove | Push | Pull, size: float, mass: float, yaw: float) -> Action:
-    """Return an action on bricks in the changed scene: velocities grow as lengths over times."""
+    """Return an ``action`` of the changed scene.
+
+    Velocities grow by the factor on lengths over the factor on times.
+    """
     pace, turn = pace_of(size), math.radians(yaw)
     cos, sin, factor = math.cos(turn), math.sin(turn), size / pace_of(size)
     if isinstance(action, Push):
@@ -203,7 +213,10 @@ def _transformed(action: Remove | Push | Pull, size: float, mass: float, yaw: fl
 
 
 def _placed(time: float, group: tuple[Brick, ...], clearance: float) -> Place:
-    """Return the action that places a group: with a gap of ``clearance`` [m], or without a gap for several levels."""
+    """Return the action that places a group with a gap of ``clearance`` [m].
+
+    A group of several levels has no gap.
+    """
     is_prebuilt = len({brick.level for brick in group}) > 1
     return Place(time, group, 0.0 if is_prebuilt else clearance)
 
@@ -227,7 +240,7 @@ def _judged(scene: Scene) -> Expectation:
 
 
 def _due_s(scene: Scene) -> float:
-    """Return the time [s] of the removal after which a scene first falls; 0 if a placed brick makes the scene fall."""
+    """Return the time [s] of the removal that first makes the scene fall; 0 if a placement makes the scene fall."""
     for index, action in enumerate(scene.actions):
         if isinstance(action, Remove):
             before, after = (replace(scene, actions=scene.actions[:end]) for end in (index, index + 1))

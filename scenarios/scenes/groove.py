@@ -1,22 +1,22 @@
 """A bar, a wedge or a cylinder in a tilted V-groove, whose two sides never move.
 
-Theory, for a body of weight W in a groove that is tilted by t along its length and whose sides rise at the angle a from
-the horizontal (a = 45 deg, because the bar's section is square; a wedge is half a bar, with its edge below):
+Theory: a body of weight W lies in a groove. The groove tilts by t along its length, and its sides rise at the angle
+a = 45 deg, because the bar's section is square. A wedge is half a bar, with its edge below.
 
 - Across the groove the two normal forces N balance the weight's component normal to the groove's length:
   2 N cos(a) = W cos(t).
-- Along the groove friction must balance the weight's other component: 2 mu N >= W sin(t).
-- So the body stands if mu >= k = tan(t) cos(a): the groove makes friction 1 / cos(a) = 1.41 times as strong.
-- A body that was pressed into the groove may stay wedged by friction across the groove, which adds to N. At best this
-  wedging lowers the limit to k / sqrt(1 + k^2 tan(a)^2), by 3 % here. Below this lower limit no forces hold the body.
+- Along the groove friction must balance the weight's component along the groove: 2 mu N >= W sin(t).
+- Therefore the body stands if mu >= k = tan(t) cos(a). The groove makes friction 1 / cos(a) = 1.41 times as strong.
+- Friction across the groove may keep a body wedged after a force has pressed the body into the groove, and adds to N.
+  At best this wedging lowers the limit to k / sqrt(1 + k^2 tan(a)^2), by 3 % here. Below this lower limit no forces
+  hold the body.
 
-An engine that replaces the friction cone by a box, with no axis along the slope of a side, holds up to sqrt(2) times as
-much: DART always does, Bullet and PhysX do for a bar at rest. So the default margin is 0.35; within 29 % beyond the
-limit the outcome depends on an engine's law of friction.
+Some engines replace the friction cone by a box: DART always, Bullet and PhysX for a bar at rest. If no axis of the box
+points down the slope of a side, friction is up to sqrt(2) times as strong. Therefore the default margin is 0.35: within
+29 % beyond the limit the outcome depends on an engine's law of friction.
 
-Look for: two contacts with fixed boxes, whose normals differ by a right angle. A rule that merges both contacts into
-one contact, with a normal between both normals, treats the bar as lying on a flat floor, and lets the bar slide or
-stand at the wrong tilt.
+Look for: the normals of the two contacts with fixed boxes differ by a right angle. A rule that merges both contacts
+into one contact treats the groove as a flat floor, and lets the bar slide or stand at the wrong tilt.
 """
 
 from __future__ import annotations
@@ -60,8 +60,8 @@ def groove(
 
     Args:
         tilt: angle [deg] of the groove's length to the ground.
-        margin: share by which the friction exceeds its limit; a negative margin is relative to the limit of a wedged
-            bar.
+        margin: share by which the friction exceeds its limit; if negative, share by which the friction is less than the
+            limit of a wedged body.
         body: "bar" of square section, "wedge" with its edge below, or "cylinder" along the groove.
     """
     angle = math.radians(tilt)
@@ -90,7 +90,7 @@ def _beside(side: int) -> FloatArray:
 
 
 def _body(body: str, tilt: float) -> Brick:
-    """Return the body in the groove, which touches both sides; ``tilt`` is that of the groove [rad]."""
+    """Return the body in a groove with the angle ``tilt`` [rad]; the body touches both sides."""
     bar = _along_groove(tilt, BAR, LIES_AT, 1, np.array([0.0, 0.0, BAR[1] * math.sqrt(0.5)]))
     lift: Quaternion = (math.cos(tilt / 2), 0.0, -math.sin(tilt / 2), 0.0)
     if body == "wedge":

@@ -1,12 +1,15 @@
 """A column of cubes, each heavier than the cube below by the same factor: the mass-ratio column of solver papers.
 
-Theory: weight only presses a column together, so that a straight column stands at any ratio of masses. The topmost cube
-is set aside by d. The column tips at the first joint k whose upper part has its centre of mass beyond the edge:
-d m_n / (m_(k+1) + ... + m_n) > e_k / 2, where e_k is the edge of the cube below the joint. With equal cubes this is the
-topmost joint, with growing cubes a lower one.
+Theory: weight only presses a column together, so that a straight column stands at any ratio of masses. The topmost of
+the n cubes has the offset d. Cube k has the mass m_k and the edge e_k. The joint above cube k tips if the centre of
+mass of all cubes above the joint lies beyond the edge of cube k:
 
-Look for: iterative solvers pass a load on by one cube in each iteration, so that the light cubes at the bottom sink or
-are pressed out. For an exact solver the ratio of masses makes no difference.
+    d m_n / (m_(k+1) + ... + m_n) > e_k / 2
+
+Equal cubes tip at the topmost joint, growing cubes at a lower joint.
+
+Look for: an iterative solver passes a load on by one cube in each iteration. Therefore the light cubes at the bottom
+sink, or the load squeezes them out. For an exact solver the ratio of masses makes no difference.
 """
 
 from __future__ import annotations
@@ -35,7 +38,7 @@ def growing_column(
 
     Args:
         levels: number of cubes.
-        ratio: mass of each cube over the mass of the cube below; all cubes have one density.
+        ratio: mass of each cube over the mass of the cube below; all cubes have the same density.
         aside: offset of the topmost cube, as a share of the offset at which the column tips.
         scale: factor on all lengths; the lowest cube has an edge of 0.1 m times ``scale``.
     """

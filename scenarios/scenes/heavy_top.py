@@ -1,11 +1,11 @@
 """A heavy cube on light cubes: a column of two, or a pyramid with a heavy cap.
 
 Theory: weight only presses a stack together. In a pyramid every cube passes its load to its two supports in equal
-halves, so that nothing turns under a cap of any weight. In a column the upper cube tips if its centre lies beyond the
-edge of the lower cube, that is, more than half an edge aside.
+halves, so that nothing turns under a cap of any weight. In a column the upper cube tips if its offset exceeds half an
+edge, because its centre then lies beyond the edge of the lower cube.
 
-Look for: iterative solvers pass a load on by one cube in each iteration and in shares of the cubes' own masses, so that
-light cubes sink or are pressed out. For an exact solver the ratio of masses makes no difference.
+Look for: an iterative solver passes a load on by one cube in each iteration, in shares of the cubes' own masses.
+Therefore light cubes sink, or the load squeezes them out. For an exact solver the ratio of masses makes no difference.
 """
 
 from __future__ import annotations

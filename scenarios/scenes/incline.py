@@ -1,15 +1,19 @@
 """A tile on a ramp, held by friction.
 
-Theory: the tile slides if tan(theta) > mu, at any mass. The ramp is a heavy slab that stands on its lower edge and
-leans on a heavy block's edge. The slab itself needs less than two thirds of the tile's friction (exact statics),
-because most of the slab's weight presses on the ground and on the block's edge. On the lower half of the ramp, the
-tile's centre is lower than the ramp's centre, although the tile lies on the ramp. Coulomb's law has no preferred
-direction, so that neither the heading of the ramp nor a turn of the tile on the ramp changes the limit. A solver that
-bounds friction separately along two tangents (a box in place of the cone) allows up to sqrt(2) times the friction along
-their diagonal; headings of 45 deg and turns of 45 deg reveal this, whether the tangents follow the world or the tile.
+Theory: the tile slides if tan(theta) > mu, at any mass.
 
-Look for: a tile that creeps down at mu just above tan(theta) shows a solver's soft friction; a tile that sticks at mu
-just below tan(theta) was frozen where it landed.
+- The ramp is a heavy slab that stands on its lower edge and leans on a heavy block's edge. The slab itself needs less
+  than two thirds of the tile's friction (exact statics), because most of the slab's weight presses on the ground and on
+  the block's edge.
+- On the lower half of the ramp, the tile's centre is lower than the ramp's centre, although the tile lies on the ramp.
+- Neither the heading of the ramp nor a turn of the tile changes the limit, because Coulomb's law has no preferred
+  direction.
+- A solver that bounds friction separately along two tangents (a box in place of the cone) allows up to sqrt(2) times
+  the friction along the diagonal. A heading of 45 deg reveals tangents that follow the world, a turn of 45 deg reveals
+  tangents that follow the tile.
+
+Look for: a tile that creeps down at mu just above tan(theta) shows a solver's soft friction. If a tile sticks at mu
+just below tan(theta), a rule froze the tile on landing.
 """
 
 from __future__ import annotations
@@ -63,7 +67,10 @@ def incline(
     turn_cos, turn_sin = math.cos(math.radians(turn) / 2), math.sin(math.radians(turn) / 2)
 
     def on_slab(size: Vector, along: float, above: float, level: int, mass: float) -> Brick:
-        """Return a box parallel to the slab, its lower face ``above`` the slab's lower face [m]."""
+        """Return a box parallel to the slab.
+
+        ``above`` [m] is the height of the box's lower face over the slab's lower face.
+        """
         across = above + size[2] / 2
         x = along * math.cos(angle) - across * math.sin(angle)
         z = along * math.sin(angle) + across * math.cos(angle)

@@ -1,15 +1,19 @@
-"""Jenga: three planks a level, each level across the level below; then two planks of one or more levels are removed.
+"""Jenga: three planks a level, each level across the level below; then the scene takes two planks from some levels.
 
-Theory: a robbed level is a level from which two planks are removed. The part above a robbed level has its centre of
-mass over the tower's middle. If the middle plank remains, this centre lies half a width (11.7 mm) inside the plank's
-edges, so the tower stands, with any number of robbed levels. If a side plank remains, the centre lies half a width and
-the gap between planks (13.7 mm) beyond the nearest edge, so the tower falls. With two remaining planks the tower stands
-in either case, so it also stands after the first removal from a level.
+Theory: a robbed level is a level that loses two planks. The part above a robbed level has its centre of mass over the
+tower's middle.
 
-Planks are removed at once, or pulled out slowly along their length. A pulled plank drags the tower with mu times the
-load that it bears; the other planks of the level hold the tower with mu times their loads. These loads are larger in
-both cases: of three planks the pulled plank bears a third, and of two planks the pulled side plank bears at most
-11.7 / 25.4 of the middle plank's load.
+- If the middle plank remains, the centre lies half a width (11.7 mm) inside the plank's edges. The tower stands, with
+  any number of robbed levels.
+- If a side plank remains, the centre lies half a width and the gap between planks (13.7 mm) beyond the nearest edge.
+  The tower falls.
+- With two remaining planks the tower stands in either case. Therefore the tower stands after the first removal from a
+  level.
+
+The scene removes planks at once, or pulls planks out slowly along their length. A pulled plank drags the tower with mu
+times the load on this plank. The remaining planks of the level hold the tower with mu times their loads. Their loads
+are larger in both cases: of three planks the pulled plank bears a third of the load; of two planks the pulled side
+plank bears at most 11.7 / 25.4 of the middle plank's load.
 
 Look for: whether, after the last removal, the tower turns over about the remaining plank, in one piece.
 """
@@ -45,7 +49,7 @@ def jenga(
     speed: Annotated[float, Real(0, 1)] = 0.0,
     gap: Gap = 2.0,
 ) -> Plan:
-    """Build levels of three planks, alternately along and across; then remove two planks from one or more levels.
+    """Build levels of three planks, each across the level below; then take two planks from one or more levels.
 
     Args:
         levels: number of levels, of three planks each.
@@ -82,14 +86,14 @@ def jenga(
 
 
 def _taken(plank: int, level: int, time: float, speed: float) -> Action:
-    """Return the action that removes a plank, given by its index in the order of placement, from its level."""
+    """Return the action that removes or pulls out a plank, given by its index in the order of placement."""
     if not speed:
         return Remove(time, plank)
     return Pull(time, plank, (speed, 0.0) if level % 2 else (0.0, speed), WAY / speed)
 
 
 def _layers(levels: int, robbed: Container[int], gap: float) -> Iterator[list[Brick]]:
-    """Yield the planks of each level, ``gap`` [m] apart, from the lowest; planks of ``robbed`` levels are taller."""
+    """Yield the planks of each level, from the lowest level, with a distance of ``gap`` [m] between the planks."""
     bottom = 0.0
     for level in range(1, levels + 1):
         height = THICKNESS * (TALL if level in robbed else 1)

@@ -1,12 +1,12 @@
 """A column of round or hexagonal drums, each shifted by the same step along x.
 
-Theory: the joint below drum k carries all drums above it. The common part of two drums ends, along x, at the lower
-drum's foremost point, at its radius R from its axis (a hexagon has a corner there). With n drums and the step d the
-centre of mass of the n - 1 drums above the lowest lies n d / 2 beyond the lowest drum's axis, and upper joints are
-safer. So the column stands while d < 2 R / n, and one drum less stands up to 2 R / (n - 1).
+Theory: along x, the common part of two drums ends at the lower drum's foremost point, at the radius R from its axis. A
+hexagon has a corner there. With n drums and the step d, the centre of mass of the n - 1 upper drums lies n d / 2 beyond
+the lowest drum's axis. Upper joints carry fewer drums, and are safer. Therefore the column stands while d < 2 R / n. A
+column of n - 1 drums stands while d < 2 R / (n - 1).
 
-Look for: the joint ends in a point, not in an edge: an engine that adds contacts beside this point lets a column stand
-beyond its limit, and an engine that omits it lets a column fall early.
+Look for: the joint ends in a point, not in an edge. If an engine adds contacts beside this point, a column stands
+beyond its limit. If an engine omits this point, a column falls early.
 """
 
 from __future__ import annotations
@@ -40,8 +40,8 @@ def leaning_drums(
     Args:
         shape: section of the drums, "cylinder" or "hexagon".
         drums: number of drums.
-        margin: share by which the step is smaller than the limit; if negative, it is larger. Below
-            -1 / (``drums`` - 1) the column would fall before its last drum is placed.
+        margin: share by which the step is smaller than the limit; negative if the step is larger. Below
+            -1 / (``drums`` - 1) the column would fall before the placement of its last drum.
         scale: factor on all lengths.
     """
     if margin <= -1 / (drums - 1):

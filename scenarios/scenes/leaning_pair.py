@@ -1,8 +1,8 @@
-"""Two planks that lean against each other, at rest: an inverted V that is placed without a gap.
+"""Two planks that lean against each other, at rest: an inverted V without a gap.
 
-Theory: see ``card_house``. If the ridge's normal is horizontal (*bisector*), only the feet need friction:
-(cot(theta) - t / L) / 2. If an engine reports the normal of a plank's face at the ridge (*face*), the ridge needs the
-friction cot(theta).
+Theory (see ``card_house``), for planks of length L and thickness t. If the ridge's normal is horizontal (*bisector*),
+only the feet need friction: (cot(theta) - t / L) / 2. If an engine reports the normal of a plank's face at the ridge
+(*face*), the ridge needs the friction cot(theta).
 
 Look for: the least angle at which the pair holds. A bisection of ``theta`` (study ``thresholds``) finds the
 engine's own limit, which measures the quality of its contacts at the ridge.

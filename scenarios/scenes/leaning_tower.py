@@ -1,13 +1,13 @@
-"""The paper's leaning tower: flat planks, each a constant offset d further along x.
+"""The paper's leaning tower: flat planks, each with the same offset d along x from the plank below.
 
-Theory: the n - 1 planks above the lowest have their centre of mass at n d / 2 from its middle and tip over its edge at
-L / 2, so n planks fall once n d > L (L: a plank's length). All upper parts are shorter, so they are safer. At
-exactly n d = L the tower balances on an edge. Within 5 % of this limit the scene claims no answer, because the energy
-of placing a plank decides. The default ratio L / d = 8.5 lies half-way between two limits: with eight planks the centre
-of mass lies 3.4 mm inside the edge, and with nine planks 3.4 mm beyond the edge.
+Theory, for n planks of length L: the centre of mass of the n - 1 upper planks lies n d / 2 from the middle of the
+lowest plank, and its edge lies at L / 2. Therefore the tower falls if n d > L. Upper parts are safer, because they have
+fewer planks. At exactly n d = L the tower balances on the edge. Within 5 % of this limit the scene has no known answer,
+because the energy of placing a plank decides. The default ratio L / d = 8.5 lies half-way between two limits: with
+eight planks the centre of mass lies 3.4 mm inside the edge, and with nine planks 3.4 mm beyond the edge.
 
 Look for: a real tower turns about the edge of its lowest plank and stays whole until it strikes the ground. A tower
-that stands at ten levels is a false stand; a tower that falls early has slid or sunk.
+that stands at ten levels is a false stand. A tower that falls early has slid or sunk.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ noise."""
 def leaning_tower(
     *, ratio: Annotated[float, Real(1.1, 1000)] = 8.5, levels: Annotated[int, Whole(1, 500)] = 13, scale: Scale = 1.0
 ) -> Plan:
-    """Build a tower of flat planks, each shifted along x by the same offset.
+    """Build a tower of flat planks, each with the same offset along x from the plank below.
 
     Args:
         ratio: a plank's length over the offset; below 2 a plank falls off the plank below.
@@ -52,7 +52,7 @@ def leaning_tower(
 
 
 def expected(ratio: float, levels: int) -> Expectation:
-    """Return the expectation for ``levels`` planks, each shifted by its length over ``ratio``."""
+    """Return the expectation for ``levels`` planks, each with an offset of its length over ``ratio``."""
     fall = math.floor(ratio) + 1  # the first n with n d > L
     last = min(fall - 1, levels)  # the highest tower that must stand
     room_before, overhang = 1 - last / ratio, fall / ratio - 1

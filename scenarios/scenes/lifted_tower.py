@@ -1,8 +1,8 @@
-"""A tower of planks on a platform that lifts it and then tilts it.
+"""A tower of planks on a platform that lifts the tower and then tilts it.
 
-Theory: a lift that accelerates at less than g carries the bricks on it. On a slope of angle a, a plank holds
-while tan a <= mu, under any load: below the friction angle of 24.2 deg the tower stands, above this angle the planks
-slide. The planks lie along the slope, and the tower is much longer than high, so that the tower cannot tip.
+Theory: a lift that accelerates downward at less than g carries its bricks. On a slope of angle a, a plank holds while
+tan a <= mu, under any load. Below the friction angle of 24.2 deg the tower stands, and above this angle the planks
+slide. The tower cannot tip, because the planks lie along the slope, and the tower is much longer than high.
 
 Look for: a frozen stack must travel with the platform, and must react to its tilt.
 """
@@ -36,7 +36,7 @@ RISE, RISE_S = 0.1, 2.0
 
 @dynamic_scenario
 def lifted_tower(*, angle: Annotated[float, Real(0.0, 45.0)] = 28.0, levels: Annotated[int, Whole(1, 6)] = 3) -> Plan:
-    """Build a tower of planks on a platform that lifts it and then tilts it.
+    """Build a tower of planks on a platform that lifts the tower and then tilts it.
 
     Args:
         angle: final angle of the platform [deg].

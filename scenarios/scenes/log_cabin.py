@@ -1,10 +1,11 @@
 """A log cabin: two parallel planks a level, each level across the level below.
 
-Theory: each plank rests with both ends on the two planks below and carries the next two planks at its ends,
-symmetrically. Half of the load above passes down through each plank, through the contact squares at its ends. So the
+Theory: each plank rests with both ends on the two planks below, and carries the next two planks at its ends. By
+symmetry half of the load above passes down through each plank, through the contact squares at its ends. Therefore the
 cabin stands at any height.
 
-Look for: four thin columns of contact squares that must stay vertical; the cabin rocks if one column has sunk deeper.
+Look for: the contact squares form four thin columns that must stay vertical. The cabin rocks if one column has sunk
+deeper.
 """
 
 from __future__ import annotations

@@ -2,17 +2,18 @@
 
 Theory, for rows of r, r - 1, ... 1 equal cylinders of weight W that touch each other:
 
-- Between stops normal forces alone hold the pile: each row's load passes down at 30 deg to the vertical, and the stops
-  take the horizontal part: at most tan(30 deg) / 2 of the weight of all cylinders. A stop is three times as heavy as
-  all cylinders, so friction below it balances this force if mu > 0.096.
-- Two rows without stops: the force at the upper cylinder must pass through the lower cylinder's line of contact with
-  the ground, at 15 deg to the normal: the pile opens if mu < tan(15 deg) = 0.268. Above this limit friction balances
-  the pile on level ground, but nothing resists one motion: the lower cylinders roll forward, the upper cylinder turns
-  backward like a gear, and all move together. On the least slope the pile rolls away, so this scene is a study.
+- Between stops normal forces alone hold the pile. Each row's load passes down at 30 deg to the vertical. The stops take
+  the horizontal part, at most tan(30 deg) / 2 of the weight of all cylinders. A stop is three times as heavy as all
+  cylinders together. Therefore friction below the stop balances this force if mu > 0.096.
+- Two rows without stops: the upper cylinder's force on a lower cylinder must pass through the lower cylinder's line of
+  contact with the ground. This force leans by 15 deg to the contact's normal. Therefore the pile opens if
+  mu < tan(15 deg) = 0.268. Above this limit friction balances the pile on level ground, but nothing resists one motion:
+  the lower cylinders roll forward, and the upper cylinder turns backward like a gear. On the least slope the pile rolls
+  away. Therefore the scene is a study.
 - Three rows and more without stops open below tan(15 deg) too, because the upper rows only add load. Above this limit
-  the answer depends on the stiffness of the contacts, so the scene is a study.
+  the scene is a study, because the answer depends on the stiffness of the contacts.
 
-Look for: contacts along lines. An engine whose cylinders touch in one point lets them turn about the vertical.
+Look for: contacts along lines. If the cylinders of an engine touch in one point only, they can turn about the vertical.
 """
 
 from __future__ import annotations
@@ -54,7 +55,7 @@ def log_pile(
 
     Args:
         rows: number of rows, and of cylinders in the lowest row.
-        stops: "both" for a heavy block on each side, "none" for no block.
+        stops: "both" for a heavy block on each side, "none" for no blocks.
         friction: Coulomb coefficient of every pair.
         scale: factor on all lengths.
     """
@@ -94,7 +95,7 @@ def _expectation(rows: int, stops: str, friction: float) -> Expectation:
 
 
 def _stops(reach: float, load: float, scale: float) -> list[Brick]:
-    """Return the blocks on both sides, which touch the lowest row at ``reach`` [m] from the middle."""
+    """Return the stops on both sides, which touch the lowest row at the distance ``reach`` [m] from the middle."""
     edge = 3 * RADIUS * scale
     size = (edge, LENGTH * scale, edge)
     return [box(size, side * (reach + edge / 2), level=1, mass=STOP * load) for side in (-1, 1)]

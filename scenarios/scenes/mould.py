@@ -1,13 +1,14 @@
-"""Bricks poured between four walls, which are then removed.
+"""Bricks poured between four walls; then the scene removes the walls.
 
 After S.-W. Hsu, J. Keyser, "Automated constraint placement to maintain pile shape", ACM Transactions on Graphics 31(6),
 2012: a pile in an arbitrary shape, set by the user, collapses without help; constraints between its objects keep it.
 
-Theory: none. The walls hold a block of loose bricks, whose sides are steeper than any pile. Without the walls, friction
-holds a slope of atan(mu) only, and bricks that interlock hold somewhat more, so that most of the block flows apart. A
-method that keeps the shape must also let a struck brick go: with ``strike``, one brick inside is struck sideways.
+Theory gives no outcome. The walls hold a block of loose bricks. The block's sides are steeper than any pile. Without
+the walls, friction holds only a slope of atan(mu), and interlocked bricks hold a somewhat steeper slope. Therefore most
+of the block flows apart. With ``strike``, the scene strikes a brick inside the block sideways. A method that keeps the
+shape must also let this brick go.
 
-Look for: how much of the block remains after the walls are gone, and how much of it a strike takes along.
+Look for: the part of the block that remains without the walls, and the part that moves with the struck brick.
 """
 
 from __future__ import annotations

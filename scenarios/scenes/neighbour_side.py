@@ -1,15 +1,17 @@
-"""A brick that overhangs its pedestal and touches a heavy neighbour; then the brick's counterweight is removed.
+"""A brick that overhangs its pedestal and touches a heavy neighbour; then the scene removes the brick's counterweight.
 
 Theory: alone, the brick stands if its centre of mass is above the pedestal, and tips about the pedestal's edge if the
-centre is beyond. The neighbour touches the brick's inner end, but cannot hold the brick. When the brick begins to turn
-about the edge by an angle w, a point (-a, z) of its inner end, with the edge as origin, moves by (w z, w a): up, and
-away from the neighbour. So the neighbour never presses on the brick, and without pressure there is no friction. The
-margin is the distance of the centre of mass from the edge, inward, over half the brick's length.
+centre is beyond the edge. The margin is the distance of the centre from the edge, inward, over half the brick's length.
 
-Coulomb forces that would hold the brick do exist: the brick and the pedestal could squeeze the neighbour and balance an
-overhang of up to mu^2 L / 2 (margin -0.2) by friction at the sides. Such forces need prestress, which nothing supplies.
+The neighbour touches the brick's inner end, but cannot hold the brick. Take the edge as origin. When the brick begins
+to turn about the edge by an angle w, a point (-a, z) of its inner end moves by (w z, w a): up, and away from the
+neighbour. Therefore the neighbour never presses on the brick, and without pressure there is no friction.
 
-Look for: a brick that stays in the air without its counterweight is held by friction at an unloaded contact.
+Coulomb forces that would hold the brick do exist: the brick and the pedestal could squeeze the neighbour. Friction at
+the sides would then balance an overhang of up to mu^2 L / 2, with the brick's length L (margin -0.2). These forces need
+prestress, and nothing supplies this prestress.
+
+Look for: if a brick stays in the air without its counterweight, friction at an unloaded contact holds the brick.
 """
 
 from __future__ import annotations
@@ -43,7 +45,7 @@ def neighbour_side(*, margin: Annotated[float, Real(-0.25, 0.25)] = 0.15, gap: G
     Args:
         margin: distance of the brick's middle inside the pedestal's edge, over half the brick's length; negative if the
             middle is outside.
-        gap: distance between the brick and its neighbour [mm]; at 0 they touch.
+        gap: distance between the brick and its neighbour [mm]; at 0 both touch.
         scale: factor on all lengths, relative to the standard plank.
     """
     length, width, thickness, mass = plank_of(scale)

@@ -2,9 +2,10 @@
 
 Theory: the plank tips if more than half of its length lies beyond the edge.
 
-Look for: an engine that lets contacts sink in, or that keeps a contact point inside the edge, has a different limit,
-which a bisection of ``reach`` finds (study ``thresholds``). The plank is placed without a gap, so that no energy of a
-drop affects the result.
+The scene places the plank without a gap, so that no energy of a drop affects the outcome.
+
+Look for: the limit changes if an engine lets contacts sink in, or if its contact points lie inside the edge. A
+bisection of ``reach`` finds each engine's limit (study ``thresholds``).
 """
 
 from __future__ import annotations

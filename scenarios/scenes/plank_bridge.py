@@ -1,11 +1,15 @@
-"""A bridge: two planks reach out from piers toward each other, and a third lies on their tips.
+"""A bridge: two outer planks reach out from piers toward each other, and a middle plank lies on their tips.
 
-Theory: an outer plank of mass m and length L has its middle 0.2 L behind the pier's edge and its tip 0.3 L beyond the
-edge. The middle plank, of mass k, overlaps each outer plank by 0.1 L, so half its weight acts at best 0.2 L beyond the
-edge. By moments about either edge, the bridge stands while k / 2 < m. Friction below the middle plank may push the
-outer planks apart by mu g k / 2, a thickness t above the edge, which shortens the arm of 0.2 L by mu t. The answer
-counts as known if the bridge stands without this friction, or falls in spite of it. The two outer planks are mirror
-images, and the scene places them together.
+Theory:
+
+- An outer plank of mass m and length L has its middle 0.2 L behind the pier's edge, and its tip 0.3 L beyond the edge.
+- The middle plank, of mass k, overlaps each outer plank by 0.1 L. At best half its weight acts 0.2 L beyond the edge.
+- Moments about an edge show that the bridge stands while k / 2 < m.
+- Friction below the middle plank may push each outer plank outward with the force mu g k / 2, a thickness t above the
+  edge. This force shortens the arm of 0.2 L by mu t. The scene has a known answer if the bridge stands without this
+  friction, or falls in spite of it.
+
+The two outer planks are mirror images. The scene places both together.
 
 Look for: both outer planks tip at once, and the middle plank drops between them. Each outer plank alone stands easily.
 """

@@ -1,10 +1,10 @@
 """Flat planks straight above each other: the simplest stack.
 
-Theory: the centre of mass of any upper part lies over the middle of the plank that carries it, 58 mm from the nearest
-edge along x and 11.7 mm across. The tower stands at any height.
+Theory: the centre of mass of any upper part lies over the middle of the plank below, 58.5 mm from the nearest edge
+along x and 11.7 mm from the nearest edge across. The tower stands at any height.
 
-Look for: sinking, which is visible at the top even if each level sinks by a tenth of a millimetre only; then slow
-swaying, which grows until the tower topples if a solver does not converge over 26 contacts.
+Look for: the tower sinks. At the top the sinking is visible even if each level sinks by only a tenth of a millimetre.
+Then the tower sways slowly. If a solver does not converge over 26 contacts, the swaying grows until the tower topples.
 """
 
 from __future__ import annotations
@@ -22,7 +22,8 @@ def plank_tower(*, levels: Annotated[int, Whole(1, 500)] = 26) -> Plan:
     """Build a tower of flat planks straight above each other, one plank a level.
 
     Args:
-        levels: number of planks. The default is 26, so that a plank follows level 25, at which the suite times frames.
+        levels: number of planks. The suite times frames at level 25, and the default of 26 adds a plank above this
+            level.
     """
     planks = [lay(0.0, level=level) for level in range(1, levels + 1)]
     return Plan(

@@ -1,14 +1,14 @@
 """Bricks poured into a pile one by one, each turned at random, as in Hsu and Keyser, "Piles of Objects", 2010.
 
-Theory: none, because dynamics decide where a brick comes to rest. Metrics:
+Theory gives no outcome, because dynamics decide where a brick comes to rest. Metrics:
 
 - the time until the pile is at rest;
 - the sinking and the creep of the pile at rest;
 - the time of a frame, and the number of bricks awake;
-- the height and the slope of the pile. Friction alone holds a slope of atan(mu), and bricks also interlock, so a
-  flatter pile shows that bricks have slipped.
+- the height and the slope of the pile. Friction alone holds a slope of atan(mu), and interlocked bricks hold a steeper
+  slope. Therefore a flatter pile shows that bricks have slipped.
 
-Look for: whether the pile comes to rest, and whether a landing brick wakes only the bricks that it moves.
+Look for: the pile should come to rest, and a landing brick should wake only the bricks that it moves.
 """
 
 from __future__ import annotations
@@ -40,21 +40,21 @@ def poured_pile(
 ) -> Plan:
     """Pour bricks into a pile, one by one, each turned at random.
 
-    The angle of repose that the harness measures is that of a cone; a pile along a line is no cone.
+    The harness measures the angle of repose of a cone. A pile along a line is no cone.
 
     Args:
         bricks: number of bricks.
         height: release height [mm] above the pile.
         friction: Coulomb coefficient of every pair.
         draw: number from which all random poses follow; each number gives another pile.
-        line: length of the line along x above which the bricks are released, as a multiple of a brick's longest edge; 0
-            to release all bricks about one place.
-        pace: number of bricks released in a second.
+        line: length of the line along x over which the scene releases the bricks, as a multiple of a brick's longest
+            edge; 0 for a single place.
+        pace: number of bricks that the scene releases each second.
     """
     reach = line * max(SIZE) / 2
 
     def release(generator: random.Random) -> tuple[float, float]:
-        """Draw the place of a brick [m]."""
+        """Draw the place (x, y) [m] of a brick."""
         x, y = generator.gauss(0.0, SPREAD), generator.gauss(0.0, SPREAD)
         return x + generator.uniform(-reach, reach) if line else x, y
 

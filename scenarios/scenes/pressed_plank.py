@@ -1,7 +1,7 @@
-"""A tower whose topmost plank is pressed steadily along its length.
+"""A tower, and a steady force on the topmost plank, along the plank's length.
 
-Theory: friction holds the plank while the force is below mu m g. Under a larger force the plank slides off, and drags
-the tower below with mu m g. The tower's own friction exceeds this drag, so only the pressed plank moves.
+Theory: friction holds the plank, of mass m, while the force is below mu m g. Under a larger force the plank slides off,
+and drags the tower below with mu m g. Only the pressed plank moves, because the tower's own friction exceeds this drag.
 
 Look for: only the pressed plank may move, and it must move as soon as the force exceeds its friction.
 """
@@ -46,7 +46,7 @@ def pressed_plank(*, force: Annotated[float, Real(0.01, 10)] = 1.5, levels: Anno
 
 
 def _expected(force: float, levels: int, time: float) -> Expectation:
-    """Return the expectation for a plank that is pressed from ``time`` [s] on."""
+    """Return the expectation for a press that begins at ``time`` [s]."""
     theory = f"the force is {force:g} mu m g"
     if force * MIN_FACTOR <= 1.0:
         return Expectation("stand", f"{theory}: friction holds the plank")

@@ -1,13 +1,13 @@
-"""A block on a prop between two fixed walls that the block touches; then the prop is removed.
+"""A block on a prop, between two fixed walls that touch the block; then the scene removes the prop.
 
-Theory: the walls touch the block without pressure, so friction at the walls carries no weight: without its prop the
-block falls freely, at any coefficient of friction. The partner scene has a ledge at each wall, below the block's ends,
-on which the block stands.
+Theory: friction at the walls carries no weight, because the walls touch the block without pressure. Without its prop
+the block falls freely, at any coefficient of friction. In the partner scene the block then stands on two ledges, one at
+each wall, below the block's ends.
 
-In theory forces that hold the block exist, because rigid walls may squeeze the block with any force. But nothing causes
-these forces.
+Forces that hold the block do exist, because rigid walls may squeeze the block with any force. But nothing causes these
+forces.
 
-Look for: a block that stays between the walls is held by prestress that nothing supplies.
+Look for: if a block stays between the walls, an engine or a rule assumes prestress that nothing supplies.
 """
 
 from __future__ import annotations
@@ -35,12 +35,12 @@ PAUSE_S = 2.0
 def prop_between_walls(
     *, carried: Annotated[str, Choice("ledges", "nothing")] = "ledges", friction: Friction = 0.2, gap: Gap = 0.0
 ) -> Plan:
-    """Build a block on a prop between two fixed walls that the block touches; then remove the prop.
+    """Build a block on a prop, between two fixed walls that touch the block; then remove the prop.
 
     Args:
         carried: support of the block after the removal, "nothing" or "ledges".
         friction: Coulomb coefficient of every pair.
-        gap: distance between the block and either wall [mm]; at 0 they touch.
+        gap: distance between the block and either wall [mm]; at 0 the walls touch the block.
     """
     inner = BLOCK[0] / 2 + gap * 1e-3
     fixed = [box(WALL, side * (inner + WALL[0] / 2), level=1) for side in (-1, 1)]

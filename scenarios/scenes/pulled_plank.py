@@ -1,9 +1,12 @@
-"""A tower from whose middle a plank is pulled out along its length, slowly or fast.
+"""A tower, and a slow or fast pull that draws a plank out along its length.
 
-Theory: the pulled plank drags the bodies above with mu times their weight, at any speed. In a slow pull, all bodies
-above travel along, because they rest on nothing else. In a fast pull, the drag lasts for T = L / v only: it moves the
-upper part by mu g T^2 / 2, which is 30 mm at 1 m/s and 1.2 mm at 5 m/s. Then the upper part drops by a thickness.
-Statics does not decide how the upper part lands, so the scene is a study.
+Theory: the pulled plank drags the planks above (the upper part) with mu times their weight, at any speed.
+
+- Slow pull: the upper part travels along, because it rests on nothing else.
+- Fast pull: for a plank of length L and the speed v, the drag lasts only for T = L / v, and moves the upper part by
+  mu g T^2 / 2: 30 mm at 1 m/s, 1.2 mm at 5 m/s. Then the upper part drops by a thickness.
+
+The scene is a study, because statics does not decide how the upper part lands.
 
 Look for: in a slow pull the upper part travels with the plank; above some speed the upper part stays behind and drops.
 """

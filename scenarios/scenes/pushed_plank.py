@@ -1,12 +1,15 @@
-"""A tower whose topmost plank is struck along its length.
+"""A tower, and a blow on the topmost plank, along the plank's length.
 
-Theory: an impulse J gives a plank of mass m the speed J / m. Friction stops it after s = (J / m)^2 / (2 mu g), and
-drags the tower below with at most mu m g, which the tower's own friction exceeds, so only the struck plank moves. The
-plank counts as out of place once it has moved by its thickness. With s at half a thickness the stack stands; with s
-well above a thickness the plank has slid; with s beyond L / 2 the plank falls off.
+Theory: an impulse J gives a plank of mass m the speed J / m. Friction stops the plank after s = (J / m)^2 / (2 mu g),
+and drags the tower below with at most mu m g. Only the struck plank moves, because the tower's own friction exceeds
+this drag. The plank counts as out of place once it has moved by its thickness:
 
-Look for: only the struck plank may move. A frozen stack must react to the blow: the host reports the struck brick to
-the extension.
+- s of half a thickness: the stack stands;
+- s well above a thickness: the plank has slid;
+- s above half the plank's length: the plank falls off.
+
+Look for: only the struck plank may move. A frozen stack must react to the blow, because the host reports the struck
+brick to the extension.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""A pyramid of planks in a plane: rows of n, n - 1, ... 1, each plank across the gap between two planks below.
+"""A pyramid of planks in a plane: rows of n, n - 1, ... 1 planks, each plank across the gap between two planks below.
 
-Theory: let every plank pass its load to its two supports in equal halves, through the middles of their overlaps. Loads
-and supports are then symmetric about the plank's middle, so moments balance and all forces are pressures. The pyramid
-stands at any height, with any gap between neighbours.
+Theory: let every plank pass its load to its two supports in equal halves, through the middles of the overlaps. Moments
+balance, because loads and supports are symmetric about the plank's middle. All forces are pressures. Therefore the
+pyramid stands at any height, with any gap between neighbours.
 
 Look for: with gaps of half a plank, each plank rests on its ends only. An engine that distributes a row's load unevenly
 lets the lowest row creep apart.
@@ -24,7 +24,7 @@ def pyramid(*, rows: Annotated[int, Whole(1, 30)] = 4, gap: Annotated[float, Rea
 
     Args:
         rows: number of rows, and of planks in the lowest row.
-        gap: distance between neighbours of a row [mm], by default half a plank; at 0 they touch.
+        gap: distance between neighbours of a row [mm], by default half a plank; at 0 neighbours touch.
     """
     pitch = LENGTH + gap * 1e-3
     planks = [

@@ -1,12 +1,12 @@
-"""A tower of planks, each placed at random on the plank below, with its middle anywhere between that plank's ends.
+"""A tower of planks: the middle of each plank lies at a random place between the ends of the plank below.
 
-Theory: n planks stand if each plank lies below the centre of mass of all planks above. The tower falls at the first n
-for which this does not hold. Two planks always stand. The third plank tips the second if the offsets u2 and u3 satisfy
-|u2 + u3 / 2| > L / 2 (L: length), which has probability 1/8. On average a tower falls at its 7.11th plank.
+Theory, for planks of length L, thickness t and mass m: a tower stands if each plank lies below the centre of mass of
+all planks above. Two planks always stand. The third plank tips the second plank if the offsets u2 and u3 satisfy
+|u2 + u3 / 2| > L / 2, with the probability 1/8. On average a tower falls at its 7.11th plank.
 
-Each draw is one tower with a known answer, unless a centre of mass lies so near an edge that the energy of placing a
-plank may decide. To tip k planks takes the energy k m g e^2 / (k t) (e: distance from the edge, t: thickness). This
-energy exceeds ten times the energy of placing a plank if e > sqrt(10 t c), 6.2 mm (c: release height).
+Each draw is a tower with a known answer, unless a centre of mass lies near an edge, because then the energy of placing
+a plank may decide. At the distance e from the edge, k planks tip with the energy k m g e^2 / (k t). This energy exceeds
+ten times the energy of placing a plank if e > sqrt(10 t c) = 6.2 mm, with the release height c.
 
 Look for: the joint that gives way, which need not be the topmost joint. The tower must not fall a plank early or late.
 """
@@ -51,13 +51,13 @@ def random_tower(*, draw: Annotated[int, Whole(0, 10**9)] = 1, levels: Annotated
 
 
 def middles_of(draw: int) -> list[float]:
-    """Return the middles along x [m] of a draw's planks, shape (MOST,); the lowest at 0."""
+    """Return the middles along x [m] of a draw's planks, shape (MOST,); the middle of the lowest plank is 0."""
     generator = random.Random(draw)
     return list(accumulate((LENGTH * (generator.random() - 0.5) for _ in range(MOST - 1)), initial=0.0))
 
 
 def room(middles: Sequence[float]) -> float:
-    """Return the least distance [m] of an upper part's centre of mass from the ends of the plank below it.
+    """Return the least distance [m] of an upper part's centre of mass from the ends of the plank below.
 
     The distance is negative if the centre lies beyond an end.
     """
@@ -70,7 +70,7 @@ def room(middles: Sequence[float]) -> float:
 
 
 def falls_at(middles: Sequence[float]) -> int | None:
-    """Return the least number of planks, from the lowest, that cannot stand; None if all planks stand."""
+    """Return the least number of planks with which the tower falls; None if all planks stand."""
     return next((n for n in range(2, len(middles) + 1) if room(middles[:n]) < 0), None)
 
 

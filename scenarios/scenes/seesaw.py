@@ -1,12 +1,12 @@
 """A tilted plank that lies on two fixed edges, and a heavy block on its lower half.
 
-Theory: moments about the lower edge, in horizontal distances. The plank has the mass m and its middle at the distance p
-from the lower edge, on the side of the upper edge. A block of mass M at the distance b on the other side tips the plank
-if M b > m p. Here M b = 3.6 m p, so the plank tips. A block between the edges presses on both edges, and the stack
-stands, because tan(15 deg) = 0.27 is less than the coefficient of friction, 0.45.
+Theory: moments about the lower edge, in horizontal distances. The plank has the mass m, and its middle lies at the
+distance p from the lower edge, toward the upper edge. A block of mass M at the distance b on the opposite side tips the
+plank if M b > m p. Here the plank tips, because M b = 3.6 m p. A block between the edges presses on both edges. This
+stack stands, because tan(15 deg) = 0.27 is less than the coefficient of friction, 0.45.
 
-Look for: the block lies on the plank, although its centre is lower than the plank's. A rule that takes the higher of
-two bodies as the carried body concludes that the block carries the plank.
+Look for: the block lies on the plank, although the block's centre is lower than the plank's centre. A rule that
+compares the heights of the centres concludes that the block carries the plank.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def seesaw(*, block: Annotated[str, Choice(*LIES_AT)] = "between") -> Plan:
 
 
 def _on_slope(size: Vector, mass: float, along: float, above: float, *, level: int) -> Brick:
-    """Return a box parallel to the plank; x = 0 is the lower edge.
+    """Return a box parallel to the plank, in coordinates with the lower edge at x = 0.
 
     Args:
         size: edges [m].
@@ -78,6 +78,6 @@ def _on_slope(size: Vector, mass: float, along: float, above: float, *, level: i
 
 
 def _support(along: float) -> Brick:
-    """Return a fixed box whose upper edge at -x meets the plank's lower face, ``along`` [m] from the lower end."""
+    """Return a fixed box that carries the plank's lower face on an upper edge, ``along`` [m] from the lower end."""
     x, height = (along - LOWER) * math.cos(TILT), HEIGHT + (along - LOWER) * math.sin(TILT)
     return box((*SUPPORT, height), x + SUPPORT[0] / 2, level=1)

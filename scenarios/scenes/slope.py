@@ -5,8 +5,10 @@ Theory: with angle theta, friction mu and a ratio r of height over width
 - the block slides if mu < tan(theta);
 - the block tips if r > 1 / tan(theta), because its centre of mass then lies beyond the lower edge.
 
-Look for: each engine has its own limits, the least friction and the greatest ratio with which the block stands. A
-bisection finds these limits (study ``thresholds``). Nothing is dropped, so that contact and friction alone decide.
+The block does not drop, so that contact and friction alone decide.
+
+Look for: each engine has its own limits: the least friction and the greatest ratio with which the block stands. A
+bisection finds these limits (study ``thresholds``).
 """
 
 from __future__ import annotations
@@ -45,7 +47,7 @@ def slope(
     turn = (math.cos(angle / 2), 0.0, -math.sin(angle / 2), 0.0)
 
     def parallel(size: tuple[float, float, float], along: float, bottom: float, mass: float) -> Brick:
-        """Return a box parallel to the slab, its lower face ``bottom`` [m] above the slab's lower face."""
+        """Return a box parallel to the slab, with its lower face ``bottom`` [m] above the slab's lower face."""
         across = bottom + size[2] / 2
         x = along * math.cos(angle) - across * math.sin(angle)
         z = along * math.sin(angle) + across * math.cos(angle)

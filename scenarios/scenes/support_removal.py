@@ -1,16 +1,15 @@
-"""A stack that stands, and from which a load on top or a support below is removed.
+"""A stack that stands until the scene removes a load on top or a support below.
 
-Theory: exact statics of the remaining bricks (``scenarios.statics.truth``). No closed form is needed, because in each
-case a brick has lost the support under one side of its centre of mass, or the partner that it leaned against.
+Theory: exact statics of the remaining bricks (``scenarios.statics.truth``). After the removal of a support, a brick has
+lost the support under one side of its centre of mass, or the partner against which it leaned.
 
-In the stack ``two_blocks``, the upper cube drops straight down when the lower cube is removed: it stays upright, and in
-place as seen from above.
+- In the stack ``two_blocks``, the upper cube drops straight down after the removal of the lower cube. The upper cube
+  stays upright, and in place as seen from above.
+- Flat stacks stand on tall pedestals, one below each brick of the lowest level. The scene removes a pedestal, so that a
+  brick falls far enough to be seen, and not just by a thickness onto the next brick.
 
-Flat stacks stand on tall pedestals, one below each of their lowest bricks, and a pedestal is removed: without it a
-brick falls far enough to be seen, not just by a thickness onto the next brick.
-
-Look for: an engine may leave sleeping bricks hanging in the air when their support is removed. The bricks that rested
-on the removed support must fall, and no other bricks.
+Look for: an engine may leave sleeping bricks in the air after the removal of their support. The bricks on the removed
+support must fall, and no other bricks.
 """
 
 from __future__ import annotations
@@ -39,7 +38,7 @@ EDGE = 0.2
 
 @dataclass(frozen=True, slots=True)
 class _Robbery:
-    """A stack, and the bricks that may be removed."""
+    """A stack, and the bricks that a scene may remove."""
 
     build: Callable[..., Scene]
     """Builder of the stack, which has a parameter ``gap`` [mm] if ``has_gap`` is True."""
@@ -75,9 +74,10 @@ def robbed_stack(
 
     Args:
         stack: name of the stack, a key of ``STACKS``.
-        taken: brick that is removed, "load" or "support".
-        gap: distance between neighbours of a level [mm], for stacks that have neighbours; at 0 they touch.
-        pause: time from the last brick to the removal [s]; after some seconds at rest an engine puts bricks to sleep.
+        taken: brick that the scene removes, "load" or "support".
+        gap: distance between neighbours of a level [mm], for stacks that have neighbours; at 0 neighbours touch.
+        pause: time from the last placement to the removal [s]. An engine puts bricks to sleep after some seconds at
+            rest.
     """
     robbery = STACKS[stack]
     if gap != robbed_stack.defaults["gap"] and not robbery.has_gap:
@@ -122,7 +122,7 @@ def _two_blocks() -> Scene:
 
 
 def _raised(scene: Scene, narrower: float) -> Scene:
-    """Return the scene on pedestals (see ``pedestals``), all placed one second before the first brick of the scene."""
+    """Return the scene on pedestals, which the scene places one second before its first brick."""
     higher: list[Action] = [
         Place(action.time + 1.0, tuple(lifted(brick) for brick in action.bricks))
         for action in scene.actions

@@ -1,12 +1,12 @@
-"""A table: one plate on two, three or four legs, and a load beyond them.
+"""A table: a plate on two, three or four legs, and a load beyond the legs.
 
-Theory: toward the load, the foremost legs reach to the line x = a, and the centre of mass of the plate (mass m) lies at
-x = 0. So the table tips about this line if the moment of the load (mass p) at x = a + q is greater than the moment of
-the plate: p q > m a. With two legs the table is a beam in the x-z plane. With three legs, two legs stand on the load's
+Theory: the centre of mass of the plate, of mass m, lies at x = 0. The front legs reach to the line x = a. The load, of
+mass p, lies at x = a + q. The table tips about the line x = a if the moment of the load exceeds the moment of the
+plate: p q > m a. With two legs the table is a beam in the x-z plane. With three legs, two legs stand on the load's
 side.
 
-Look for: the rear legs lift off while the front legs take the whole load. An engine that shares the load wrongly (a
-third to each leg, for instance) lifts no leg, and nothing falls.
+Look for: the rear legs lift off while the front legs take the whole load. If an engine shares the load wrongly, for
+instance a third to each leg, no leg lifts off, and nothing falls.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def table(*, legs: Annotated[int, Whole(2, 4)] = 4, margin: Margin = 0.3, scale:
     """Build a plate on legs, and a load that lies beyond the legs.
 
     Args:
-        legs: number of legs, 2, 3 or 4; two legs carry a plank, more legs a square plate.
+        legs: number of legs, 2, 3 or 4. Two legs carry a plank, three and four legs carry a square plate.
         margin: share by which the load is lighter than the limit; negative if the load is heavier.
         scale: factor on all lengths, relative to the standard plank.
     """

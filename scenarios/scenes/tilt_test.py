@@ -1,20 +1,20 @@
 """A prebuilt stack on ground that tilts until a brick moves: gravity turns, at 0.1 deg/s near the exact angle.
 
-Theory (mu = 0.45; L, b, t: length, width and thickness of a plank; theta = 72 deg: angle of leaning planks):
+Theory, for planks of length L, width b and thickness t, with mu = 0.45 and leaning planks at theta = 72 deg:
 
-- column of 10 planks, along them: it slides at atan(mu) = 24.228 deg;
-- column, across: it tips at atan(b / 10 t) = 16.699 deg;
-- V, along the planks: the forces at its feet and its ridge are statically determinate. Moments about both feet give the
-  ridge's force (h, v) at a slope a, with
+- Column of 10 planks, slope along the planks: the column slides at atan(mu) = 24.228 deg.
+- Column of 10 planks, slope across the planks: the column tips at atan(b / 10 t) = 16.699 deg.
+- V, slope along the planks: moments about both feet give the horizontal part h and the vertical part v of the ridge's
+  force, because the forces at feet and ridge are statically determinate. At a slope a,
   v / h = tan(a) sin(theta) (L sin(theta) + t cos(theta)) / (cos(theta) (L cos(theta) - t sin(theta))). If the ridge's
-  normal is the bisector, which is horizontal, the ridge slips at v / h = mu: 2.117 deg. With the face of either plank
-  as the normal, the ridge slips at v / h = tan(atan(mu) +- (90 deg - theta)): 4.263 and 0.513 deg;
-- V and card house of three storeys, across the planks: they tip at atan(b / 2 z), where z is the height of the centre
-  of mass: 11.631 and 4.714 deg;
-- card house, along the planks: its top V slips first, at the angles of the V alone.
+  normal is the bisector, which is horizontal, the ridge slips at v / h = mu: 2.117 deg. If the normal is a plank's face
+  normal, the ridge slips at v / h = tan(atan(mu) +- (90 deg - theta)): 4.263 and 0.513 deg for the two planks.
+- V and card house of three storeys, slope across the planks: the stack tips at atan(b / 2 z), with the height z of its
+  centre of mass: 11.631 deg and 4.714 deg.
+- Card house, slope along the planks: the top V slips first, at the angles of the V alone.
 
-Look for: the onset, when a brick has moved by 1 % of its thickness or turned by 0.5 deg. The harness measures the angle
-of the onset, and the angle at which exact statics finds no equilibrium with the engine's own contact normals.
+Look for: the onset, at which a brick has moved by 1 % of its thickness or turned by 0.5 deg. The harness measures the
+angle of the onset, and the angle at which exact statics finds no equilibrium with the engine's own contact normals.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ def tilt_test(
 
     Args:
         stack: "column" of 10 planks, "v" of two planks, or "card_house" of three storeys.
-        heading: direction in which the ground goes down: "along" the planks or "across" them.
+        heading: direction in which the ground goes down: "along" or "across" the planks.
     """
     bricks = tilted_bricks(stack)
     limits = tilt_limits(stack, heading)

@@ -1,16 +1,16 @@
-"""A tall post on its lower edge, leaning a little beyond its balance: it must fall, though slowly at first.
+"""A tall post on its lower edge, which leans a little beyond its balance, and falls slowly at first.
 
-Theory: a post of width b and height h balances on an edge at atan(b / h), 5.711 deg. With phi the angle of the centre
-of mass beyond the vertical above the edge, and R = sqrt(b^2 + h^2) / 2 the distance of the centre from the edge,
+Theory: a post of width b, height h and mass m balances on an edge at atan(b / h) = 5.711 deg. The centre of mass lies
+at the distance R = sqrt(b^2 + h^2) / 2 from the edge, and at the angle phi beyond the vertical above the edge:
 
     phi'' = k sin(phi),    k = 3 g / (4 R)          (moment of inertia about the edge: m (b^2 + h^2) / 3)
     t(phi0 -> phi) = (K(n) - F(asin(cos(phi / 2) / cos(phi0 / 2)), n)) / sqrt(k),    n = cos(phi0 / 2)^2
 
-with the mass m, and with the complete and the incomplete elliptic integral of the first kind, K and F, of parameter n.
-Released 0.2 (0.05) deg beyond the balance, the post lies on the ground after 1.77 (2.14) s; 0.5 s after its release its
-centre moves at 22 (5.7) mm/s.
+K and F are the complete and the incomplete elliptic integral of the first kind, of parameter n. From rest at 0.2 deg
+(0.05 deg) beyond the balance, the post lies on the ground after 1.77 s (2.14 s). After 0.5 s its centre moves at
+22 mm/s (5.7 mm/s).
 
-Look for: an engine that puts slow bodies to sleep lets the post stand at an angle at which it cannot stand.
+Look for: if an engine puts slow bodies to sleep, the post stays at an angle at which it cannot stand.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ FRICTION = 0.9
 
 @dynamic_scenario
 def tipping_post(*, beyond: Annotated[float, Real(0.01, 5.0)] = 0.2) -> Plan:
-    """Build a post on its lower edge, leaning beyond its balance.
+    """Build a post that leans on its lower edge beyond its balance.
 
     Args:
         beyond: angle [deg] beyond the balance.

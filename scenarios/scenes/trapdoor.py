@@ -1,7 +1,7 @@
-"""Planks that lie across a table and a trapdoor, which drops away below them.
+"""Planks across a table and a trapdoor; then the door drops away below the planks.
 
 Theory: the door drops faster than in free fall, so that it neither pulls nor pushes the planks. Then only the table
-carries the planks, and the planks stand if their centre of mass is above the table.
+carries the planks. The planks stand if their centre of mass is above the table.
 
 Look for: a frozen stack on a door must react when the door opens; a stack that does not need the door must stay.
 """
@@ -36,7 +36,7 @@ plank, or an edge that yields, may shift by tenths of a millimetre."""
 
 @dynamic_scenario
 def trapdoor(*, beyond: Annotated[float, Real(-40.0, 40.0)] = 10.0, levels: Annotated[int, Whole(1, 10)] = 3) -> Plan:
-    """Build planks that lie across a table and a trapdoor, which drops away below them.
+    """Build planks across a table and a trapdoor; then drop the door.
 
     Args:
         beyond: distance [mm] of the planks' centres beyond the table's edge; negative if the centres are above the
@@ -63,7 +63,7 @@ def trapdoor(*, beyond: Annotated[float, Real(-40.0, 40.0)] = 10.0, levels: Anno
 
 
 def _expected(beyond: float, levels: int, time: float) -> Expectation:
-    """Return the expectation for planks ``beyond`` [mm] the table's edge when the door drops at ``time`` [s]."""
+    """Return the expectation for planks ``beyond`` [mm] the table's edge, and a door that drops at ``time`` [s]."""
     theory = f"without the door the centres lie {abs(beyond):g} mm"
     if beyond <= -MIN_DISTANCE:
         return Expectation("stand", f"{theory} inside the table's edge")

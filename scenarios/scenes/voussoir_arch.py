@@ -1,18 +1,23 @@
-"""A semicircular arch of voussoirs, built on centring that is then removed.
+"""A semicircular arch of voussoirs (wedge-shaped stones) on centring (a support); then the scene removes the centring.
 
-Theory (limit analysis, J. Heyman, "The Stone Skeleton", 1966; discrete voussoirs): the arch stands if a line of thrust
-lies inside every joint. Half of the symmetric arch has two unknowns: the thrust H at the crown, which is horizontal,
-and its height e. With the weight V of all voussoirs between the crown and a joint, and their moment, the moments of H,
-V and the force at the joint about the joint's two ends must have opposite signs: two linear conditions a joint, in H
-and H e. An even number of voussoirs has a joint at the crown too. The least thickness for which H and e exist follows
-by bisection: 0.1075 of the mean radius for many voussoirs, and less for few. With many voussoirs no joint slides if mu
-is above 0.396, and below 0.309 an arch of any thickness slides (A. Sinopoli, M. Corradi, F. Foce, "Modern formulation
-for preelastic theories on masonry arches", J. Eng. Mech. 123 (1997), 204-213).
+Theory (limit analysis, J. Heyman, "The Stone Skeleton", 1966; discrete voussoirs):
 
-The centring is one polyhedron, whose facets carry the voussoirs. It is removed while all bodies are live.
+- The arch stands if a line of thrust lies inside every joint. Half of the symmetric arch has two unknowns: the
+  horizontal thrust H at the crown, and its height e.
+- V is the weight of all voussoirs between the crown and a joint. The force at the joint lies inside the joint if the
+  moments of H and V about the joint's two ends have opposite signs. Each joint gives two linear conditions in H and
+  H e. An arch with an even number of voussoirs has a joint at the crown too.
+- Bisection finds the least thickness for which H and e exist: 0.1075 of the mean radius for many voussoirs, and less
+  for few voussoirs.
+- With many voussoirs no joint slides if mu is above 0.396, and an arch of any thickness slides if mu is below 0.309 (A.
+  Sinopoli, M. Corradi, F. Foce, "Modern formulation for preelastic theories on masonry arches", J. Eng. Mech. 123
+  (1997), 204-213).
 
-Look for: hinges that open at the crown and at the haunches of an arch that is too thin, and voussoirs that slide at the
-springing with too little friction.
+The centring is a polyhedron, whose facets carry the voussoirs. The scene removes the centring while all bodies are
+live.
+
+Look for: an arch that is too thin opens hinges at the crown and at the haunches. With too little friction, voussoirs
+slide at the springing (the foot of the arch).
 """
 
 from __future__ import annotations
@@ -56,12 +61,12 @@ def voussoir_arch(
     friction: Friction = 0.6,
     scale: Scale = 1.0,
 ) -> Plan:
-    """Build a semicircular arch of voussoirs on centring, and remove the centring.
+    """Build a semicircular arch of voussoirs on centring; then remove the centring.
 
     Args:
         voussoirs: number of voussoirs.
-        margin: share by which the thickness exceeds the least thickness; if negative, the arch is thinner.
-        friction: Coulomb coefficient; from 0.25 to 0.4 the scene has no known answer.
+        margin: share by which the thickness exceeds the least thickness; negative if the arch is thinner.
+        friction: Coulomb coefficient of every pair. From 0.25 to 0.4 the scene has no known answer.
         scale: factor on all lengths; the mean radius is 0.3 m at scale 1.
     """
     least = least_thickness(voussoirs)
@@ -87,7 +92,7 @@ def voussoir_arch(
 
 @lru_cache(maxsize=64)
 def least_thickness(voussoirs: int) -> float:
-    """Return the least thickness of a semicircular arch that stands, in mean radii; exact to 1e-9."""
+    """Return the least thickness with which a semicircular arch stands, over the mean radius, to within 1e-9."""
     low, high = 0.0, THICKEST
     while high - low > 1e-9:
         middle = (low + high) / 2
@@ -118,14 +123,15 @@ def _has_thrust_line(voussoirs: int, thickness: float) -> bool:
 
 
 def _joints(voussoirs: int) -> FloatArray:
-    """Return the angles [rad] of all joints from the right springing to the left one."""
+    """Return the angles [rad] of all joints, from the right springing to the left springing."""
     return np.linspace(0.0, math.pi, voussoirs + 1)
 
 
 def _sector(low: float, high: float, thickness: float, *, is_cut: bool) -> tuple[float, float]:
-    """Return area and centroid x of the voussoir between two angles; of its half right of the crown if ``is_cut``.
+    """Return area and centroid x of the section of the voussoir between two angles, for an arch of mean radius 1.
 
-    The faces of a voussoir are flat, so that its section is a trapezoid.
+    With ``is_cut`` the function returns the values of the half right of the crown. The section is a trapezoid, because
+    the faces of a voussoir are flat.
     """
     inner, outer = 1 - thickness / 2, 1 + thickness / 2
     corners = [(inner, low), (outer, low), (outer, high), (inner, high)]
@@ -139,7 +145,7 @@ def _sector(low: float, high: float, thickness: float, *, is_cut: bool) -> tuple
 
 
 def _stones(voussoirs: int, thickness: float, scale: float) -> tuple[Brick, ...]:
-    """Return the voussoirs from the right springing to the left one; the level counts from the nearer springing."""
+    """Return the voussoirs from the right to the left springing; levels count from the nearer springing."""
     radius, depth = RADIUS * scale, DEPTH * scale
     half = math.pi / voussoirs / 2
     inner, outer = (radius * (1 + side * thickness / 2) for side in (-1, 1))
@@ -155,7 +161,7 @@ def _stones(voussoirs: int, thickness: float, scale: float) -> tuple[Brick, ...]
 
 
 def _centring(voussoirs: int, thickness: float, scale: float) -> Brick:
-    """Return the polyhedron whose facets are the voussoirs' lower faces, on the ground."""
+    """Return the centring: a polyhedron on the ground whose facets are the voussoirs' lower faces."""
     radius, depth = RADIUS * scale * (1 - thickness / 2), DEPTH * scale
     corners = [
         (radius * math.cos(angle), y, radius * math.sin(angle))
@@ -166,7 +172,7 @@ def _centring(voussoirs: int, thickness: float, scale: float) -> Brick:
 
 
 def _in_plane(corners: Sequence[Vector], quaternion: Quaternion, level: int) -> Brick:
-    """Return the hull of corners about the origin, with its centre exactly in the plane of the arch."""
+    """Return the convex hull of corners, with its centre of mass exactly in the plane of the arch."""
     stone = polyhedron(corners, position=(0.0, 0.0, 0.0), quaternion=quaternion, density=DENSITY, level=level)
     x, _, z = stone.position
     return replace(stone, position=(x, 0.0, z))

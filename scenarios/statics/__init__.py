@@ -1,4 +1,4 @@
-"""The judge: exact statics that decides whether a stack can stand, independent of ``stability_core``."""
+"""The judge: exact statics, independent of ``stability_core``, which decides whether a stack can stand."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ def judge(scene: Scene) -> Judgement:
     """Judge whether a scene stands, with margins and proof: see ``scene_judge``.
 
     Raises:
-        ValueError: if bricks overlap, or a number is out of range; the message names the brick and the fix.
+        ValueError: if bricks overlap, or a number is out of range; the message names the brick.
     """
     from scenarios.statics.scene_judge import judge_scene  # here, because most modules need only parts of statics
 

@@ -1,35 +1,37 @@
 """The margins of each brick of a stack at rest: the additional load and the tilt up to which an equilibrium exists.
 
-Forces f at the corners of contact patches, each in its Coulomb cone |f_t| <= mu f_n, act on the bodies by the map A;
-the weights are w (``contact_wrenches``). A stack has an equilibrium if A f + w = 0 has a solution.
+The symbols are those of ``contact_wrenches``: f are the forces at the corners of contact patches, each in its Coulomb
+cone |f_t| <= mu f_n. The map A gives the forces and moments of f on the bodies, and w are the weights. A stack has an
+equilibrium if A f + w = 0 has a solution.
 
-**Load margin** of brick i [N]: the greatest force s along gravity at the brick's centre of mass for which
+**Load margin** of brick i [N]: the greatest force s along gravity at the brick's centre of mass for which this problem
+has a solution, with a unit force d_i along gravity on brick i:
 
     A f + w + s d_i = 0,   s >= 0,   f in the cones
 
-has a solution; d_i is a unit force along gravity on brick i. The margin is infinite if every s has a solution.
+The margin is infinite if every s has a solution.
 
-**Tilt margin** of brick i [deg]: gravity, of constant strength, turns by alpha toward a direction h that is
-perpendicular to it, for all bodies. Because forces scale with the weights, an equilibrium exists exactly if
+**Tilt margin** of brick i [deg]: gravity, of constant strength, turns by alpha toward a direction h perpendicular to
+gravity, for all bodies. With the forces w_h, which have the size of the weights and the direction h, an equilibrium
+exists exactly if this problem has a solution, because forces scale with the weights:
 
-    A f + w + tan(alpha) w_h = 0,   w_h: forces of the size of the weights, along h
+    A f + w + tan(alpha) w_h = 0,   f in the cones
 
-has a solution. For each direction h, the method finds the margins in rising order:
+For each direction h, the method finds the margins in rising order:
 
-1. The greatest alpha that has a solution is the margin of the bricks that move in the mechanism, which is the dual
-   solution of the linear program.
-2. The method removes these bricks. If other bricks have no equilibrium without them, alpha is their margin too, and the
-   method removes them as well.
-3. The method repeats the steps with the remaining bricks. No margin is less than a margin found before.
+1. Find the greatest alpha that has a solution. The dual solution of the linear program is a mechanism: the motion in
+   which the stack gives way. Alpha is the margin of the bricks that move in the mechanism.
+2. Remove these bricks. Also remove the bricks that have no equilibrium without them: alpha is their margin too.
+3. Repeat the steps with the remaining bricks. No margin is less than an earlier margin.
 
 The margin of a brick is the least over ``DIRECTIONS`` directions h.
 
-Solutions of both programs form a convex set, so an equilibrium exists up to the margin and nowhere beyond it. An
-inscribed pyramid of ``SIDES`` sides replaces each cone: friction is exact along the pyramid's edges, and at least
-cos(pi / ``SIDES``) = 98 % elsewhere, so no margin is too large. Equilibrium is necessary for rest, but with friction it
-is not sufficient: a wedged brick may fall earlier (``truth``). The margins ignore the energy of a drop or a blow.
-
-A brick that has no equilibrium at all, for example a brick in the air, has both margins 0.
+- An equilibrium exists up to the margin and nowhere beyond, because the solutions of each problem form a convex set.
+- No margin is too large, because an inscribed pyramid of ``SIDES`` sides replaces each cone: friction is exact along
+  the pyramid's edges, and at least cos(pi / ``SIDES``) = 98 % elsewhere.
+- Equilibrium is necessary for rest, but with friction not sufficient: a wedged brick may fall earlier (``truth``).
+- The margins ignore the energy of a drop or a blow.
+- A brick without any equilibrium, for example a brick in the air, has both margins 0.
 """
 
 from __future__ import annotations
@@ -84,7 +86,7 @@ class _Limit(NamedTuple):
 
 
 class _Pile:
-    """Bodies in equilibrium, with the forces that hold them; quantities are dimensionless (``Corners``)."""
+    """Bodies in equilibrium, with the forces that hold the bodies, in the dimensionless quantities of ``Corners``."""
 
     def __init__(self, corners: Corners, wrenches: csc_array, held: FloatArray) -> None:
         self.corners, self._wrenches = corners, wrenches
@@ -93,11 +95,11 @@ class _Pile:
         ``BALANCED``."""
 
     def limit(self, load: FloatArray, most: float) -> _Limit:
-        """Return the greatest factor for which contact forces hold the weights and factor times ``load``.
+        """Return the greatest factor for which contact forces hold the weights plus the factor times ``load``.
 
         Args:
             load: additional forces and moments, shape (6 n,).
-            most: factor from which the result is infinite.
+            most: least factor that counts as infinite.
         """
         count = self._wrenches.shape[1]
         matrix = hstack([self._wrenches, csc_array(load[:, None])], format="csc")
@@ -122,14 +124,14 @@ def brick_margins(
 ) -> BrickMargins:
     """Return the margins of bodies at rest; see the module docstring for the equations.
 
-    The work is one linear program for each brick, and at least one for each direction of the tilt.
+    The function solves a linear program for each brick, and at least one linear program for each direction of the tilt.
 
     Args:
         centers: centres of mass [m], shape (n, 3).
         weights: weight vectors [N], shape (n, 3), all in the direction of gravity.
         patches: contact patches.
         friction: Coulomb coefficient of every pair.
-        length: the length unit [m] in which moments count; a typical edge.
+        length: length unit [m] of the moments: a typical edge.
     """
     stack = _Stack(np.asarray(centers, np.float64), np.asarray(weights, np.float64), patches, friction, length)
     everything = np.arange(len(centers))
@@ -161,10 +163,9 @@ class _Stack:
     length: float
 
     def held(self, present: npt.NDArray[np.int64]) -> tuple[npt.NDArray[np.int64], _Pile | None]:
-        """Return the bodies of ``present`` that can stay in equilibrium, and their pile.
+        """Return the bodies of ``present`` that can stay in equilibrium, and their pile; None if no body stays.
 
-        The method removes the bodies that move in a mechanism until contact forces hold all other bodies. The pile is
-        None if no body stays.
+        The method removes the bodies that move in a mechanism, until contact forces hold all other bodies.
         """
         while len(present):
             corners = Corners(
@@ -183,7 +184,10 @@ class _Stack:
 
 
 def _tilts(stack: _Stack, held: npt.NDArray[np.int64], direction: FloatArray) -> FloatArray:
-    """Return the tilt [deg] toward ``direction`` at which each brick begins to move, shape (n,); 0 if not ``held``."""
+    """Return the tilt [deg] toward ``direction`` at which each brick begins to move, shape (n,).
+
+    The tilt is 0 for bricks that are not among the ``held`` bricks.
+    """
     tilts = np.zeros(len(stack.centers))
     reached, most = 0.0, math.tan(math.radians(MOST_TILT))
     strength = np.linalg.norm(stack.weights, axis=1)
@@ -204,7 +208,7 @@ def _tilts(stack: _Stack, held: npt.NDArray[np.int64], direction: FloatArray) ->
 
 
 def _across(down: FloatArray) -> FloatArray:
-    """Return unit vectors perpendicular to gravity, shape (``DIRECTIONS``, 3); ``DIRECTIONS`` describes the first."""
+    """Return the unit vectors perpendicular to gravity that ``DIRECTIONS`` describes, shape (``DIRECTIONS``, 3)."""
     leaning = np.array([down[0], down[1], 0.0])
     first = leaning if np.linalg.norm(leaning) > _MOVES else np.array([1.0, 0.0, 0.0])
     first = first - (first @ down) * down
@@ -215,7 +219,7 @@ def _across(down: FloatArray) -> FloatArray:
 
 
 def _moving(motion: FloatArray) -> BoolArray:
-    """Return the mask (n,) of the bodies that move in ``motion``, shape (6 n,) or (n, 6); all True without motion."""
+    """Return the mask (n,) of the bodies that move in ``motion``, (6 n,) or (n, 6); all True if ``motion`` is zero."""
     speeds = np.abs(motion.reshape(-1, 6)).max(axis=1)
     moving: BoolArray = speeds >= _MOVES * speeds.max()
     return moving

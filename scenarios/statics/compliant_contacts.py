@@ -6,23 +6,24 @@
 
 The module multiplies the rows of J by sqrt(k) and divides forces by sqrt(k), which gives k = 1 and keeps all cones.
 
-A solution exists for every kappa: contact forces do no positive work, f . v <= 0, so u . M u / kappa <= w . u bounds u,
-and Brouwer's theorem applies to u -> kappa M^-1 (w + J^T f(J u)). Without friction the solution is the minimum of a
-convex function and unique; with friction the solution need not be unique. The problem is homogeneous: weights t w lead
-to displacements t u, so one solution gives the whole history of a load that grows in proportion, and sliding never
-reverses.
+- A solution exists for every kappa. Contact forces do no positive work (f . v <= 0). Therefore u . M u / kappa <= w . u
+  bounds u, and Brouwer's theorem applies to u -> kappa M^-1 (w + J^T f(J u)).
+- Without friction the solution is unique, because it is the minimum of a convex function. With friction the solution
+  need not be unique.
+- One solution gives the whole history of a load that grows in proportion, because the problem is homogeneous: weights
+  t w lead to displacements t u. Sliding never reverses.
 
-Newton's method takes the derivative of f where f has a derivative, and a one-sided derivative elsewhere. The search has
-three stages, and ends with the first stage that converges:
+Newton's method takes the derivative of f, or a one-sided derivative where f has no derivative. The search has three
+stages, and ends with the first stage that converges:
 
 1. Newton's method, which halves each step until the imbalance shrinks;
 2. Newton's method with whole steps, which can leave a local minimum of the imbalance;
 3. rounds of Newton's method with fixed friction bounds b = mu f_n of the last iterate (Tresca's friction). With fixed
-   bounds the solution is the minimum of a convex energy, to which shortened steps lead from any start. After each round
-   the search renews the bounds, and tries the result of the round as a start for stage 1.
+   bounds shortened steps lead from any start to the solution, because the solution is the minimum of a convex energy.
+   After each round the search renews the bounds, and starts stage 1 from the result of the round.
 
-A tight course is a row of bricks whose faces touch. Of 11,630 searches in tight courses, 81 needed stage 3. Of these 81
-searches, 61 needed a single round, and 1 found no solution.
+A tight course is a row of bricks whose faces touch. Of 11,630 searches in tight courses, 81 searches needed stage 3: 61
+of them needed a single round, and 1 of them found no solution.
 """
 
 from __future__ import annotations
@@ -111,22 +112,22 @@ class CompliantPile:
         """Matrix of the stiffness of all corners; each Newton step replaces its values."""
 
     def relative_motion(self, displacement: FloatArray) -> FloatArray:
-        """Return the length of the relative motion of the surfaces at each corner, times sqrt(k), shape (p,)."""
+        """Return the length of the surfaces' relative motion at each corner, times sqrt(k), shape (p,)."""
         motion: FloatArray = np.linalg.norm((self._motions @ displacement).reshape(-1, 3), axis=1)
         return motion
 
     def bonded(self, kappa: float) -> FloatArray:
-        """Return the displacements with contacts that neither open nor slide, shape (6 n,)."""
+        """Return the displacements (6 n,) with bonded contacts, which neither open nor slide."""
         stiffness = diags_array(np.tile([1.0, self._ratio, self._ratio], self._corners))
         matrix = self._masses / kappa + self._wrenches @ stiffness @ self._motions
         displacement: FloatArray = splu(csc_array(matrix)).solve(self._load)
         return displacement
 
     def moved(self, start: FloatArray, kappa: float) -> FloatArray | None:
-        """Search for the displacements for ``kappa``, shape (6 n,), from the better of two starts.
+        """Search for the displacements (6 n,) at ``kappa``; return None without convergence.
 
-        The starts are ``start``, which suits bodies at rest, and sqrt(10) times ``start``, which suits accelerating
-        bodies. Return None without convergence.
+        The search begins with the start of less imbalance: ``start``, which suits bodies at rest, or sqrt(10) times
+        ``start``, which suits accelerating bodies.
         """
         starts = [self._iterate(scale * start, kappa) for scale in (1.0, np.sqrt(10.0))]
         first = min(starts, key=lambda iterate: iterate.size)
@@ -161,13 +162,13 @@ class CompliantPile:
     def _newton(
         self, first: _Iterate, kappa: float, bounds: FloatArray | None = None, halvings: int = HALVINGS
     ) -> _Iterate:
-        """Return the solution near ``first``, or the last iterate without convergence.
+        """Search for the solution near ``first``; return the last iterate.
 
         Args:
-            first: the first iterate, computed with the same ``kappa`` and ``bounds``.
+            first: the first iterate, for the same ``kappa`` and ``bounds``.
             kappa: time squared over two (see the module docstring).
             bounds: fixed friction bounds, shape (p,); None for bounds that follow the normal forces.
-            halvings: greatest number of halvings of a step; with 0 the method takes a step even if the imbalance grows.
+            halvings: greatest number of halvings of a step. With 0 the method takes a step even if the imbalance grows.
         """
         iterate = first
         for _ in range(STEPS):
@@ -188,7 +189,7 @@ class CompliantPile:
     def _step(self, iterate: _Iterate, kappa: float, *, are_fixed: bool) -> FloatArray | None:
         """Return Newton's step; None if the matrix is singular.
 
-        Let q be the ``pull`` of a corner, e = q / |q|, and b its friction bound. Then -df/dv has the blocks
+        With the ``pull`` q of a corner, its direction e = q / |q| and its friction bound b, -df/dv has the blocks
 
         - normal, normal: 1 if the corner is closed;
         - tangential, tangential: r I if the corner sticks, else r b / |q| (I - e e^T);
@@ -212,11 +213,11 @@ class CompliantPile:
         return step if np.isfinite(step).all() else None
 
     def _by_whole_steps(self, first: _Iterate, kappa: float) -> _Iterate:
-        """Return the solution reached by whole steps from ``first``, or the last iterate without convergence."""
+        """Search by whole steps from ``first``; return the last iterate."""
         return self._newton(first, kappa, halvings=0)
 
     def _by_fixed_bounds(self, first: _Iterate, kappa: float) -> _Iterate:
-        """Return the solution reached by rounds of fixed friction bounds, or the last iterate without convergence."""
+        """Search by rounds of fixed friction bounds from ``first``; return the last iterate."""
         found = first
         for _ in range(ROUNDS):
             bounds = self._friction * found.forces[:, 0]
@@ -239,7 +240,7 @@ def pile_of(
         gyration: inertia over mass, in squares of the length unit, shape (n, 3, 3).
         friction: Coulomb coefficient of every pair; a patch may have a ratio of its own (``Patch.friction_ratio``).
         ratio: tangential over normal stiffness.
-        stiffness: normal stiffness of each corner, shape (p,).
+        stiffness: relative normal stiffness of each corner, shape (p,).
     """
     frames = np.stack([corners.normals, *corners.tangents], axis=1)
     wrenches = csr_array(corners.wrenches(frames) @ diags_array(np.repeat(np.sqrt(stiffness), 3)))
@@ -255,8 +256,8 @@ def even_stiffness(corners: Corners) -> FloatArray:
 def stiffness_by_weight(corners: Corners) -> FloatArray:
     """Return the stiffness of each corner, in proportion to the reduced weight of its two bodies, shape (p,).
 
-    The reduced weight of two bodies with weights a and b is 1 / (1 / a + 1 / b). With this stiffness bodies sink by the
-    same amount under their own weights, so that a heavy body that sinks does not press on its neighbours.
+    The reduced weight of two bodies with weights a and b is 1 / (1 / a + 1 / b). With this stiffness all bodies sink by
+    the same amount under their own weights, so that a heavy body does not sink and press on its neighbours.
     """
     compliance = 1.0 / np.append(_masses(corners), np.inf)  # the last entry is for GROUND, -1
     stiffness: FloatArray = 1.0 / (compliance[corners.first] + compliance[corners.second])
@@ -269,10 +270,10 @@ def _masses(corners: Corners) -> FloatArray:
 
 
 def ball_gyration(centers: FloatArray, patches: Sequence[Patch], length: float) -> FloatArray:
-    """Return inertia over mass [m2] for bodies of unknown shape, shape (n, 3, 3).
+    """Return the inertia over the mass [m2] of bodies of unknown shape, shape (n, 3, 3).
 
-    Each body counts as a ball whose inertia over mass is a third of the squared distance from its centre of mass to the
-    farthest corner of its contact patches.
+    Each body counts as a ball. Its inertia over the mass is a third of the squared distance from the centre of mass to
+    the farthest corner of the body's contact patches.
     """
     reach = np.full(len(centers), 1e-3 * length)
     for patch in patches:

@@ -1,16 +1,17 @@
-"""The contact patch of two ideal boxes: its corners and its normal. ``solid_patch`` has other shapes.
+"""The contact patch of two ideal boxes: its corners and its normal. ``solid_patch`` covers other shapes.
 
-Two boxes touch if a direction separates them with a gap of zero. If only one direction does, it is the contact's
-normal, and the patch is the common part of both surfaces: a polygon (face on face), a segment (edge on face) or a point
-(corner on face, edge across edge). If two parallel edges meet, as at the ridge of two planks that lean against each
-other, a whole range of directions separates the boxes, and physics does not determine the normal. A convention gives
-the normal:
+Two boxes touch if a direction separates them with a gap of zero. A single separating direction is the contact's normal.
+The patch is the common part of both surfaces: a polygon (face on face), a segment (edge on face) or a point (corner on
+face, edge across edge).
 
-- ``bisector``: the middle of that range, which is horizontal for two planks that lean at the same angle;
+Two parallel edges meet at the ridge of two planks that lean against each other. There a whole range of directions
+separates the boxes, and physics does not determine the normal. A convention gives the normal:
+
+- ``bisector``: the middle of the range, which is horizontal for two planks that lean at the same angle;
 - ``face``: the normal of the first box's face that bounds the range, as most physics engines report.
 
 Statics needs only the corners of a patch, because a force at any point of the patch has the same effect as parallel
-forces at the corners. If the force obeys Coulomb's law, so do the forces at the corners.
+forces at the corners. If the force obeys Coulomb's law, the forces at the corners obey it too.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ _PARALLEL = 1e-7
 
 
 class Tolerance(NamedTuple):
-    """Tolerances with which boxes touch: a gap or overlap as ``TOUCH``, and a sine as ``_PARALLEL``."""
+    """Tolerances of a contact between boxes."""
 
     touch: float = TOUCH
     parallel: float = _PARALLEL
@@ -101,13 +102,13 @@ def contact_patches(
     ridge: Ridge = "bisector",
     tolerance: Tolerance = PLANNED,
 ) -> list[Patch]:
-    """Return all patches among bricks, between bricks and walls, and between bricks and the ground z = 0.
+    """Return all contact patches of bricks: with each other, with walls, and with the ground z = 0.
 
     Args:
-        bricks: the movable bricks, of any shape; patches refer to bricks by their indices.
-        walls: bodies that never move; patches refer to walls as ``GROUND``.
+        bricks: the movable bricks, of any shape. Patches contain the bricks' indices.
+        walls: bodies that never move. Patches contain ``GROUND`` as a wall's index.
         ridge: convention for the normal where two parallel edges meet (see the module docstring).
-        tolerance: tolerances with which boxes touch.
+        tolerance: tolerances of a contact.
 
     Raises:
         ValueError: if two bricks overlap, or a brick overlaps a wall or the ground.
@@ -163,11 +164,11 @@ def _on_ground(boxes: Boxes, thin: FloatArray, bricks: int, tolerance: Tolerance
 def touch(
     first: _Box, second: _Box, thin: float, ridge: Ridge, tolerance: Tolerance = PLANNED
 ) -> tuple[FloatArray, FloatArray] | None:
-    """Return corners (k, 3) [m] and normal (3,) of two boxes' patch; None if the boxes are apart.
+    """Return the corners (k, 3) [m] and the normal (3,) of two boxes' patch; None if the boxes are apart.
 
-    Boxes that only graze count as apart: they touch only at the borders of their faces, so no normal is determined. Two
-    boxes are apart exactly if one of fifteen directions separates them: six normals of faces, and nine cross products
-    of an edge of each box.
+    Boxes that only graze count as apart: they touch only at the borders of their faces, and have no definite normal.
+    Two boxes are apart exactly if one of fifteen directions separates them: six normals of faces, and nine cross
+    products of an edge of each box.
 
     Raises:
         ValueError: if the boxes overlap.
@@ -203,9 +204,9 @@ def touch(
 
 
 def _across_edges(first: _Box, second: _Box, parallel: float) -> FloatArray:
-    """Return the unit vectors across the pairs of edges that are not parallel, shape (k, 3).
+    """Return a unit vector for each pair of edges that are not parallel, shape (k, 3).
 
-    Each vector is perpendicular to one edge of each box, and points from the first box to the second.
+    Each vector is perpendicular to an edge of each box, and points from the first box to the second box.
     """
     normals = np.cross(first.axes[:, None], second.axes[None]).reshape(9, 3)
     length = np.linalg.norm(normals, axis=1)
@@ -219,7 +220,7 @@ def _across_edges(first: _Box, second: _Box, parallel: float) -> FloatArray:
 def _shared_with_face(box: _Box, axis: int, outward: FloatArray, other: _Box, tolerance: float) -> FloatArray:
     """Return the corners (k, 3) [m] of the common part of ``other`` and a separating face of ``box``.
 
-    The result is empty if ``other`` only grazes the face, that is, touches only its border.
+    The result is empty if ``other`` only grazes the face, because ``other`` then touches only the face's border.
     """
     u, v = (axis + 1) % 3, (axis + 2) % 3
     height = (other.corners - box.center) @ outward - box.half[axis]
@@ -265,16 +266,16 @@ def _at_ridge(
     ridge: Ridge,
     tolerance: Tolerance,
 ) -> tuple[FloatArray, FloatArray] | None:
-    """Return the segment (2, 3) [m] in which two parallel edges meet, and its normal (3,); None if no edges meet so.
+    """Return the segment (2, 3) [m] in which two parallel edges meet, and the normal (3,); None without such edges.
 
     Args:
         first: the box from which the normal points.
-        second: the other box.
-        faces: faces that separate the boxes, each with its normal from the first box to the second. These normals bound
-            the range of directions that separate the boxes.
-        thin: the thinnest edge of both boxes [m].
+        second: the box to which the normal points.
+        faces: faces that separate the boxes, each with its normal from the first box to the second box. These normals
+            bound the range of separating directions.
+        thin: the shortest edge of both boxes [m].
         ridge: the convention for the normal.
-        tolerance: tolerances with which boxes touch.
+        tolerance: tolerances of a contact.
     """
     cosine = first.axes @ second.axes.T
     shared = np.argwhere(cosine**2 > 1 - tolerance.parallel**2)

@@ -1,8 +1,9 @@
 """Map forces at the corners of contact patches to forces and moments on bodies.
 
-A unit force d at a corner acts on the second body as d and on the first body as -d. Its moment about a body's centre of
-mass is the cross product of the arm from this centre to the corner, over ``length``, and the force on the body. The
-transposed map gives the relative velocity of the two surfaces at each corner from the velocities of the bodies.
+A unit force d at a corner acts on the second body as d, and on the first body as -d. The moment of the force about a
+body's centre of mass is the cross product of the arm and the force on the body. The arm is the vector from the centre
+to the corner, over ``length``. The transposed map gives the relative velocity of the two surfaces at each corner from
+the velocities of the bodies.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from scenarios.statics.contact_patch import GROUND, Patch
 
 
 class Corners:
-    """The corners of all patches. Forces are over the mean weight, and arms over ``length``; positions are in m."""
+    """The corners of all patches, with forces over the mean weight, arms over ``length``, and positions in m."""
 
     def __init__(self, centers: FloatArray, weights: FloatArray, patches: Sequence[Patch], length: float) -> None:
         corners = [len(patch.points) for patch in patches]
@@ -40,7 +41,7 @@ class Corners:
         """Centres of mass [m], shape (n, 3), and the length unit [m]."""
 
     def coefficients(self, friction: float) -> float | FloatArray:
-        """Return the coefficient of friction at each corner, shape (p, 1); the pile's, a number, if all are equal."""
+        """Return the coefficient of friction at each corner, shape (p, 1), or a single number for all corners."""
         if (self.friction_ratios == 1.0).all():
             return friction
         coefficients: FloatArray = friction * self.friction_ratios[:, None]
@@ -50,7 +51,7 @@ class Corners:
         """Return the matrix (6 n, p k) whose columns are the forces and moments of each direction.
 
         Args:
-            directions: k directions of a force at each corner, shape (p, k, 3); a force is as large as its vector.
+            directions: k forces at each corner, shape (p, k, 3).
         """
         p, k, _ = directions.shape
         rows, columns, values = [], [], []
@@ -68,7 +69,7 @@ class Corners:
 
 
 def patches_among(present: Sequence[int], patches: Sequence[Patch]) -> list[Patch]:
-    """Return the patches between the bodies ``present``, with the bodies' indices in ``present``."""
+    """Return the patches among the bodies ``present``; the patches contain the bodies' places in ``present``."""
     place = {body: index for index, body in enumerate(present)} | {GROUND: GROUND}
     return [
         patch._replace(first=place[patch.first], second=place[patch.second])

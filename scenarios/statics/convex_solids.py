@@ -7,12 +7,12 @@ A solid is the Minkowski sum of a core and of a ball or a disk:
 - capsule: a segment and a ball;
 - cylinder: a segment and a disk perpendicular to the segment.
 
-So the support function, which gives the greatest coordinate of a solid along a unit vector n, is exact for each shape:
+The support function gives the greatest coordinate of a solid along a unit vector n, and is exact for each shape:
 
     h(n) = max over core vertices v of (v . n)  +  ball radius  +  disk radius * |n - (n . a) a|     (a: axis)
 
-The *feature* of a solid along n is the set of its points with the coordinate h(n): a point, a segment or a polygon.
-Only the end face of a cylinder is not a polygon; ``DISK_CORNERS`` points of its rim replace it.
+The *feature* of a solid along n is the set of its points with the coordinate h(n): a point, a segment or a polygon. The
+end face of a cylinder is no polygon, and a polygon of ``DISK_CORNERS`` points on its rim replaces it.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class Solid:
 
     @cached_property
     def thinnest(self) -> float:
-        """Least width [m] over the directions of the faces, of a cylinder's axis and across a ball."""
+        """Least width [m]: across faces, along a cylinder's axis, or across a ball."""
         if self.ball:
             return 2 * self.ball
         normals = self.axis[None] if self.disk else self.face_normals
@@ -85,7 +85,7 @@ class Solid:
 
         Args:
             direction: the unit vector, shape (3,).
-            depth: distance [m] below the greatest coordinate up to which a vertex belongs to the feature.
+            depth: greatest distance [m] of a vertex of the feature below the greatest coordinate.
         """
         heights = self.core @ direction
         if not self.disk:
@@ -100,7 +100,7 @@ class Solid:
         return side
 
     def rim(self, end: FloatArray) -> FloatArray:
-        """Return the corners (``DISK_CORNERS``, 3) [m] of the polygon in the end face around the point ``end``."""
+        """Return the corners (``DISK_CORNERS``, 3) [m] of the polygon in the end face with the centre ``end``."""
         angles = np.arange(DISK_CORNERS) * (2 * np.pi / DISK_CORNERS)
         around: FloatArray = np.column_stack([np.cos(angles), np.sin(angles)]) @ perpendicular(self.axis)
         return end + self.disk * around
@@ -114,7 +114,7 @@ def perpendicular(axis: FloatArray) -> FloatArray:
 
 
 def polyhedron(vertices: FloatArray) -> Solid:
-    """Return the convex hull of vertices (v, 3) [m] that do not lie in one plane."""
+    """Return the convex hull of vertices (v, 3) [m], which must not lie in one plane."""
     hull = ConvexHull(vertices)
     core = vertices[hull.vertices]
     normals: list[FloatArray] = []
@@ -139,12 +139,12 @@ def sphere(center: FloatArray, radius: float) -> Solid:
 
 
 def capsule(center: FloatArray, axis: FloatArray, length: float, radius: float) -> Solid:
-    """Return a capsule whose segment has the unit vector ``axis`` and ``length`` [m], without both caps."""
+    """Return a capsule along the unit vector ``axis``; the ``length`` [m] excludes both caps."""
     ends = center + np.outer([-length / 2, length / 2], axis)
     return Solid(ends, np.array([[0, 1]]), np.empty((0, 3)), ball=radius)
 
 
 def cylinder(center: FloatArray, axis: FloatArray, length: float, radius: float) -> Solid:
-    """Return a cylinder with the unit vector ``axis`` and ``length`` [m]."""
+    """Return a cylinder of ``length`` [m] along the unit vector ``axis``."""
     ends = center + np.outer([-length / 2, length / 2], axis)
     return Solid(ends, np.array([[0, 1]]), np.empty((0, 3)), disk=radius, axis=axis)

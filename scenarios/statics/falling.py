@@ -1,11 +1,12 @@
 """The time that an unstable stack takes to fall, from rest to the limit at which the harness records the fall.
 
-The contact forces keep the accelerations as near as possible to free fall (Gauss's principle), inside the Coulomb
-cones. With the weights w, the mass matrix M and the map G from contact forces to forces and moments on the bodies,
+By Gauss's principle, contact forces f in the Coulomb cones keep the accelerations a as near as possible to free fall.
+With the weights w, the mass matrix M and the map G from contact forces to forces and moments on the bodies,
 
     minimise |M^(-1/2) (w + G f)|  over f in the cones;     a = M^(-1) (w + G f).
 
-The bodies move along q a from q = 0 at rest. With v and o the linear and the angular part of a, energy gives
+The bodies move along q a, from rest at q = 0. Body i has the mass m_i, the inertia I_i, and the linear part v_i and the
+angular part o_i of a. The balance of energy gives
 
     mass       m = sum(m_i |v_i|^2 + o_i . I_i o_i)
     force      F = sum(m_i g . v_i) = m                     (contact forces do no work along a)
@@ -13,10 +14,11 @@ The bodies move along q a from q = 0 at rest. With v and o the linear and the an
     motion     q'' = 1 + s^2 q,  s^2 = K / m;               q(t) = (cosh(s t) - 1) / s^2
     time       t = acosh(1 + s^2 q) / s                     (sqrt(2 q) without rotation, s = 0)
 
-A block whose centre of mass lies e beyond an edge and h above it has s^2 = m g h / I (I: inertia about the edge) and
-reaches the angle phi at acosh(1 + phi h / e) / s. The minimisation projects the forces on the cones, so that the two
-surfaces of a sliding contact also move apart: on a slope of 15 to 25 degrees the horizontal acceleration is off by 5 %
-at most.
+For example, a block has its centre of mass e beyond an edge and h above the edge, and the inertia I about the edge. The
+block has s^2 = m g h / I, and reaches the angle phi at the time acosh(1 + phi h / e) / s.
+
+The minimisation projects the forces on the cones. Therefore the two surfaces of a sliding contact also move apart: on a
+slope of 15 to 25 deg the horizontal acceleration is off by at most 5 %.
 """
 
 from __future__ import annotations
@@ -47,7 +49,7 @@ speeds."""
 
 
 def fall_time(bricks: Sequence[Brick], world: World) -> float:
-    """Return the time [s] from rest in the planned poses until the first brick has toppled, slid or dropped.
+    """Return the time [s] until the first brick has toppled, slid or dropped, from rest in the planned poses.
 
     Raises:
         ValueError: if no brick moves.
@@ -67,7 +69,11 @@ def fall_time(bricks: Sequence[Brick], world: World) -> float:
 
 
 def _first_accelerations(bricks: Sequence[Brick], world: World, gyration: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the linear (n, 3) [m/s2] and angular (n, 3) [rad/s2] accelerations with which the motion begins."""
+    """Return the initial linear (n, 3) [m/s2] and angular (n, 3) [rad/s2] accelerations.
+
+    Raises:
+        ValueError: if no brick moves.
+    """
     pile = pile_of_bricks(bricks, contact_patches(bricks, world.fixed), world)
     length, mass = pile.length, [brick.mass for brick in bricks]
     corners = Corners(pile.centers, pile.weights, pile.patches, length)
@@ -89,7 +95,7 @@ def _first_accelerations(bricks: Sequence[Brick], world: World, gyration: FloatA
 
 
 def _inverse_roots(mass: float, gyration: FloatArray, length: float) -> tuple[FloatArray, FloatArray]:
-    """Return both blocks (3, 3) of M^(-1/2) of one body: for the mass [kg], and for the inertia over length^2 [kg]."""
+    """Return both blocks (3, 3) of M^(-1/2) of a body: of its mass, and of its inertia over ``length`` squared."""
     values, axes = np.linalg.eigh(mass * gyration / length**2)
     return np.eye(3) / math.sqrt(mass), (axes / np.sqrt(values)) @ axes.T
 
@@ -97,7 +103,7 @@ def _inverse_roots(mass: float, gyration: FloatArray, length: float) -> tuple[Fl
 def _way_to_the_limit(bricks: Sequence[Brick], linear: FloatArray, angular: FloatArray) -> float:
     """Return the least q at which the displacements q a reach the limit of a brick.
 
-    A brick topples or slides at its limit. Only if no brick topples or slides, the limit is that of dropping.
+    The limit of a brick is toppling or sliding. If no brick topples or slides, the limit is dropping.
     """
     thickness = np.array([min(brick.size) for brick in bricks])
     fastest = float(np.linalg.norm(linear, axis=1).max())

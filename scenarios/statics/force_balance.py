@@ -1,18 +1,19 @@
-"""Decide whether contact forces can hold bodies still, by linear programs inside and around Coulomb's cone.
+"""Decide whether contact forces can hold bodies at rest, by linear programs inside and around Coulomb's cone.
 
-The unknowns are the forces at the patches' corners, each inside its Coulomb cone |f_t| <= mu f_n; the weights are
-known. The sums of forces and moments must vanish on every body. A cone is no polyhedron, so two pyramids enclose it:
+The unknowns are the forces at the patches' corners, each inside its Coulomb cone |f_t| <= mu f_n. The sum of weight and
+contact forces, and the sum of their moments, must vanish on every body. Two pyramids enclose each cone, because a cone
+is no polyhedron:
 
 - the inscribed pyramid: forces found with this pyramid obey Coulomb's law, and prove that equilibrium exists;
-- the circumscribed pyramid: if even this pyramid allows no equilibrium, no equilibrium exists. The dual solution proves
-  it: a virtual motion in which gravity does positive work and no allowed contact force does negative work, so that both
-  works never cancel.
+- the circumscribed pyramid: if even this pyramid allows no equilibrium, no equilibrium exists. The proof is the dual
+  solution: a virtual motion in which gravity does positive work and no allowed contact force does negative work. The
+  works of gravity and contacts never cancel.
 
-As long as neither pyramid gives a proof, the pyramids get one more side at each corner, in the direction of the
-circumscribed pyramid's force. In this direction the error falls fourfold with each added side. A case without a proof
-after ``ROUNDS`` added sides is in doubt.
+While neither pyramid gives a proof, the method adds a side to the pyramids at each corner, in the direction of the
+circumscribed pyramid's force. With each added side, the error in this direction falls to a quarter. A case without a
+proof after ``ROUNDS`` added sides is in doubt.
 
-Each program is elastic: it minimises the sum of missing forces and moments. So each program always has a solution, the
+Each program is elastic: it minimises the sum of missing forces and moments. Therefore each program has a solution, the
 two pyramids bracket the true cone's residual, and no verdict depends on a solver's exit status.
 """
 
@@ -48,7 +49,7 @@ SOLVER = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1
 
 @dataclass(frozen=True, slots=True)
 class Statics:
-    """Result of statics: whether bodies can rest, with the proof."""
+    """Result of statics: the verdict whether bodies can rest, with the proof."""
 
     verdict: Verdict
     """Verdict on the bodies:
@@ -131,7 +132,11 @@ class Balance:
         return self.along(edges)
 
     def along(self, edges: FloatArray) -> Solution:
-        """Return the solution of least residual with forces that are positive sums of each corner's edges (p, k, 3)."""
+        """Return the solution of least residual with forces that are positive sums of ``edges`` (p, k, 3).
+
+        Raises:
+            ArithmeticError: if the solver fails.
+        """
         wrenches = hstack([self._corners.wrenches(edges), *self._missing()], format="csc")
         count = edges.shape[0] * edges.shape[1]
         cost = np.ones(wrenches.shape[1])
@@ -147,7 +152,7 @@ class Balance:
         return Solution(max(0.0, float(found.fun)) / self._corners.bodies, forces, motion)
 
     def _missing(self) -> tuple[csc_array, csc_array]:
-        """Return the columns of the program for missing forces and moments, in both directions."""
+        """Return the program's columns for missing forces and moments, positive and negative."""
         diagonal = np.arange(6 * self._corners.bodies)
         push = csc_array((np.ones(len(diagonal)), (diagonal, diagonal)))
         return push, -push
@@ -158,21 +163,25 @@ def solve_balance(
 ) -> Statics:
     """Find contact forces that hold all bodies, or prove that no such forces exist.
 
-    The verdict is ``stable`` only if the existence of forces suffices for rest: if normal forces alone hold the bodies,
-    or vertical forces at load-bearing contacts. If the bodies need other friction, forces may exist (``balanced``) but
-    not arise; ``truth.judge`` examines these cases further.
+    The verdict is ``stable`` only if the existence of forces suffices for rest. Forces of two kinds suffice: normal
+    forces alone, or vertical forces at load-bearing contacts. If the bodies need other friction, forces may exist
+    (``balanced``) but not arise; ``truth.judge`` examines these cases further.
 
-    Proof that normal forces p >= 0 suffice: they balance the weights w, so w . a = -p . J_n a <= 0 for every motion a
-    without overlap. Contact forces do no positive work, so a . M a <= w . a for every solution a (``strong_stability``)
-    with the masses M, and a = 0 is the only solution. For vertical forces there is no proof, only experience: nothing
-    slides where the whole load acts straight down.
+    Proof that normal forces p >= 0 suffice, with the weights w, the masses M, and the opening velocities J_n a of a
+    motion a (see ``strong_stability``):
+
+    - w . a = -p . J_n a <= 0 for every motion a without overlap, because p balances w.
+    - a . M a <= w . a for every solution a, because contact forces do no positive work.
+    - Therefore a = 0 is the only solution.
+
+    For vertical forces there is no proof, only experience: nothing slides where the whole load acts straight down.
 
     Args:
         centers: centres of mass [m], shape (n, 3).
         weights: weight vectors [N], shape (n, 3); not all zero.
         patches: contact patches.
         friction: Coulomb coefficient of every pair; a patch may have a ratio of its own (``Patch.friction_ratio``).
-        length: the length unit [m] in which moments count; a typical edge.
+        length: length unit [m] of the moments: a typical edge.
     """
     corners = Corners(centers, weights, patches, length)
     coefficients = corners.coefficients(friction)
@@ -194,7 +203,7 @@ def solve_balance(
 
 
 def _in_cones(corners: Corners, balance: Balance, friction: float | FloatArray) -> tuple[bool | None, Solution]:
-    """Return whether forces in the Coulomb cones balance the weights, or None if undecided; and the proof."""
+    """Return whether forces in the Coulomb cones balance the weights, None if undecided, and the proof."""
     angles = np.tile(np.arange(SIDES) * (2 * np.pi / SIDES), (len(corners.points), 1))
     outer = None
     for _ in range(ROUNDS):
@@ -235,7 +244,7 @@ def _statics(
 
 
 def _vertical(corners: Corners, friction: float | FloatArray) -> FloatArray:
-    """Return unit forces against gravity where the cone contains them, else zero, shape (p, 1, 3)."""
+    """Return a unit force against gravity at each corner, or zero if the corner's cone excludes it, shape (p, 1, 3)."""
     up = -corners.load.reshape(-1, 6)[:, :3].sum(axis=0)
     up /= np.linalg.norm(up)
     upward = corners.normals @ up
@@ -245,10 +254,10 @@ def _vertical(corners: Corners, friction: float | FloatArray) -> FloatArray:
 
 
 def _circumscribed(friction: float | FloatArray, angles: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the edges of the pyramids that touch the cones at ``angles`` (p, k), which must rise.
+    """Return the edges of the circumscribed pyramids that touch the cones at rising ``angles`` (p, k) [rad].
 
-    The edges are given as in ``_Balance.solve``: by the tangents of their angles to the normal, and by their directions
-    [rad], each of shape (p, k).
+    The result is the two arguments of ``Balance.solve``, each of shape (p, k): the tangents of the edges' angles to the
+    normal, and the directions of the edges [rad].
     """
     half = np.diff(angles, axis=1, append=angles[:, :1] + 2 * np.pi) / 2
     return friction / np.cos(half), angles + half

@@ -1,39 +1,42 @@
 """Load a stack from zero through compliant contacts, to see whether the forces that could hold it arise by themselves.
 
-Forces inside the Coulomb cones that balance all weights are necessary for rest, not sufficient. With friction they may
-be a self-stress that nothing supplies: a brick that overhangs its table and touches a heavy neighbour with its inner
-end could be held by friction there. But as the brick begins to turn, its inner end moves up and away from the
-neighbour, no pressure arises, and the brick falls.
+Forces inside the Coulomb cones that balance all weights are necessary for rest, but not sufficient. With friction these
+forces may be a self-stress that nothing supplies. For example, a brick overhangs its table and touches a heavy
+neighbour with its inner end. Friction at this end could hold the brick. But when the brick begins to turn, its inner
+end moves up and away from the neighbour, no pressure arises, and the brick falls.
 
-**Model.** All contacts are elastic (``compliant_contacts``) and unloaded at first; then the weights grow from zero. A
-body that is held comes to rest at displacements u; a body that is not held keeps an acceleration a = u / kappa. The
+**Model.** All contacts are elastic (``compliant_contacts``) and unloaded at first. Then the weights grow from zero. A
+stack that the contacts hold comes to rest at displacements u. Otherwise a body keeps an acceleration a = u / kappa. The
 method raises kappa (time squared over two) from 1 by factors of sqrt(10):
 
 - the stack *stands* if a falls in proportion to 1 / kappa over two decades, at a sag below ``MOST_SAG``;
 - the stack *falls* if a stays the same over two decades, in which the same stack with bonded contacts comes to rest;
-- else, or without convergence, the stack is in *doubt*.
+- otherwise, or without convergence, the stack is in *doubt*.
 
-The stiffness of real contacts is unknown. So the verdict must be the same for every tangential stiffness of ``RATIOS``
-and for both distributions of stiffness: equal at all corners, and in proportion to the reduced weight of the two
-bodies.
+The verdict must be the same for every tangential stiffness of ``RATIOS`` and for both distributions of stiffness,
+because the stiffness of real contacts is unknown. The stiffness is equal at all corners, or in proportion to the
+reduced weight of the two bodies.
 
-**Sag.** A contact that would not press with its exact normal does press with a normal that is off by an angle e, once
-the body has moved by 1 / e times its elastic compression. In theory such a body stands; in reality it has moved away
-long before. The sag of a body is the greatest relative motion at its corners over the greatest relative motion with all
-contacts bonded (the same linear problem). The sag depends neither on the scale nor on the bodies below, because a body
-that is carried along does not move against its neighbours.
+**Sag.** The sag of a body is the greatest relative motion at its corners over the greatest relative motion with all
+contacts bonded (the same linear problem). A limit of the sag is necessary, because normals have errors. If a normal is
+off by an angle e, a contact that would not press begins to press once the body has moved by 1 / e times its elastic
+compression. In the model this body stands. In reality the body has moved away long before. The sag depends neither on
+the scale nor on the bodies below, because a body that moves with its neighbours does not move against them.
 
-**What it proves.** With u = kappa a the equations read M a = w + J^T f(kappa J a). Forces do no work, so a . M a and
-f . f / kappa are at most w . a: accelerations are bounded, and contacts close at most as 1 / sqrt(kappa). Where a and f
-tend to limits, no contact closes in the limit, forces are in their cones, forces of opening contacts are zero, and a
-corner that slides has all its friction against the motion. So the limit of a pile that "falls" is an acceleration,
-other than zero, which rigid bodies with Coulomb friction may take from rest: the pile is not strongly stable in the
-sense of Pang and Trinkle. A pile that "stands" reaches an equilibrium without prestress, for each of six kinds of
-contacts. That is not strong stability: other solutions may exist beside this equilibrium.
+**Proof.** With u = kappa a the equations are M a = w + J^T f(kappa J a).
 
-**Limits.** Displacements are infinitesimal and gaps are zero, so compression alone decides about a contact whose
-surfaces move exactly parallel to each other. All contacts belong to the plan; the motion makes no new contacts.
-Solutions need not be unique; the method finds the solution that continues the solution of soft contacts.
+- Forces do no positive work. Therefore a . M a and f . f / kappa are at most w . a: accelerations are bounded, and
+  contacts close at most as 1 / sqrt(kappa).
+- Where a and f tend to limits, no contact closes in the limit, forces are in their cones, forces of opening contacts
+  are zero, and a corner that slides has all its friction against the motion.
+- Therefore the limit of a pile that "falls" is an acceleration, other than zero, that rigid bodies with Coulomb
+  friction may take from rest. The pile is not strongly stable in the sense of Pang and Trinkle.
+- A pile that "stands" reaches an equilibrium without prestress, for each of six kinds of contacts. This is less than
+  strong stability, because other solutions may exist.
+
+**Limits.** If the surfaces of a contact move exactly parallel to each other, compression alone decides, because
+displacements are infinitesimal and gaps are zero. All contacts belong to the plan: the motion makes no new contacts.
+Solutions need not be unique: the method finds the solution that continues the solution of soft contacts.
 
 References:
     J.-S. Pang and J. C. Trinkle, "Stability characterizations of rigid body contact problems with Coulomb friction",
@@ -96,7 +99,7 @@ Answer = Literal["stands", "falls", "doubt"]
 
 @dataclass(frozen=True, slots=True)
 class Loading:
-    """Result of loading a pile from zero: whether it comes to rest."""
+    """Result of loading a pile from zero: stands, falls or doubt."""
 
     verdict: Answer
     why: str
@@ -123,9 +126,9 @@ def load_from_zero(
         weights: weight vectors [N], shape (n, 3); masses are in proportion.
         patches: contact patches.
         friction: Coulomb coefficient of every pair.
-        length: the length unit [m] in which moments count; a typical edge.
-        gyration: inertia over mass [m2], shape (n, 3, 3); by default the result of ``ball_gyration``. The
-            inertia does not change the verdict.
+        length: length unit [m] of the moments: a typical edge.
+        gyration: inertia over mass [m2], shape (n, 3, 3); by default the result of ``ball_gyration``. The inertia does
+            not change the verdict.
     """
     corners = Corners(centers, weights, patches, length)
     if gyration is None:
@@ -138,7 +141,7 @@ def load_from_zero(
 
 
 def _agreed(loadings: Iterator[Loading]) -> Loading:
-    """Return the common verdict of all loadings, or doubt at the first loading that is in doubt or disagrees."""
+    """Return the common verdict of all loadings; doubt if a loading is in doubt or disagrees."""
     worst = next(loadings)
     for loading in loadings:
         if worst.verdict == "doubt":
@@ -152,7 +155,7 @@ def _agreed(loadings: Iterator[Loading]) -> Loading:
 
 
 def load_pile(pile: CompliantPile, corners: Corners) -> Loading:
-    """Load one compliant pile: increase kappa from 1 until the accelerations give a verdict."""
+    """Load a compliant pile: increase kappa from 1 until the accelerations give a verdict."""
     displacement = np.zeros(6 * corners.bodies)
     accelerations: dict[int, float] = {}
     failures = 0
@@ -185,7 +188,7 @@ def load_pile(pile: CompliantPile, corners: Corners) -> Loading:
 
 
 def _is_at_rest_bonded(pile: CompliantPile, kappa: float) -> bool:
-    """Return whether the pile with bonded contacts comes to rest over the two decades up to kappa."""
+    """Return whether the pile with bonded contacts comes to rest over the two decades up to ``kappa``."""
     before, after = (float(np.abs(pile.bonded(step)).max()) / step for step in (kappa / 100, kappa))
     return after <= STANDS * before
 

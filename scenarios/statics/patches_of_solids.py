@@ -1,4 +1,4 @@
-"""The contact patches among bricks of any shape, between bricks and walls, and between bricks and the ground."""
+"""The contact patches of bricks of any shape: with each other, with walls, and with the ground."""
 
 from __future__ import annotations
 
@@ -72,7 +72,10 @@ def patches_of_solids(
 
 
 def _near_pairs(solids: Sequence[Solid], share: float) -> Iterator[tuple[int, int]]:
-    """Yield the pairs whose bounding boxes are at most ``share`` times the thinnest width of the first solid apart."""
+    """Yield the pairs of solids whose bounding boxes are near each other.
+
+    The greatest distance is ``share`` times the least width of the first solid.
+    """
     low, high = np.array([solid.bounds for solid in solids]).transpose(1, 0, 2)
     gaps = share * np.array([solid.thinnest for solid in solids])[:, None]
     for b in range(1, len(solids)):

@@ -1,4 +1,4 @@
-"""The pile of a plan: centres of mass, weights, inertia, and the coefficient of friction at each contact patch."""
+"""The pile of a plan: centres of mass, weights, contact patches with their friction, and inertia."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from scenarios.statics.contact_patch import GROUND, Patch
 
 
 class Pile(NamedTuple):
-    """Bodies and their contacts: the arguments that ``truth.judge``, ``load_from_zero`` and others share."""
+    """Bodies and their contacts: the common arguments of the functions of statics, such as ``truth.judge``."""
 
     centers: FloatArray
     """Centres of mass [m], shape (n, 3)."""
@@ -36,7 +36,7 @@ def pile_of_bricks(
     Args:
         bricks: the bricks, in the order of the patches' indices.
         patches: contact patches of the bricks.
-        world: friction and gravity, and the walls unless ``walls`` is given.
+        world: friction, gravity, and the default of ``walls``.
         walls: the bodies that never move, in the order of ``Patch.wall``.
     """
     walls = world.fixed if walls is None else walls
@@ -58,7 +58,7 @@ def pile_of_bricks(
 
 
 def gyration_of(bricks: Sequence[Brick]) -> FloatArray:
-    """Return the inertia over mass of bricks about their centres of mass [m2], along the world's axes, (n, 3, 3)."""
+    """Return the bricks' inertia over mass [m2] about the centres of mass, along the world's axes, shape (n, 3, 3)."""
     if are_boxes([brick.shape for brick in bricks]) and all(brick.moments is None for brick in bricks):
         return Boxes.of(bricks).gyration
     frames = rotation(np.array([brick.quaternion for brick in bricks], np.float64))
@@ -68,7 +68,7 @@ def gyration_of(bricks: Sequence[Brick]) -> FloatArray:
 
 
 def _coefficient(patch: Patch, bricks: Sequence[Brick], walls: Sequence[Brick], world: World) -> float:
-    """Return the coefficient of friction of the pair of bodies at a patch."""
+    """Return the coefficient of friction of the two bodies at a patch."""
     second = friction_of(bricks[patch.second], world)
     if patch.first != GROUND:
         return of_pair(friction_of(bricks[patch.first], world), second)

@@ -8,10 +8,10 @@ from scenarios.geometry import FloatArray
 
 
 def clipped(polygon: FloatArray, outside: FloatArray) -> FloatArray:
-    """Return the part (m, 2) of a polygon, segment or point (k, 2) where a linear function is not positive.
+    """Return the part (m, 2) of a polygon, segment or point (k, 2) in which a linear function is not positive.
 
-    The array ``outside`` (k,) contains the function's values at the corners. The method is Sutherland and Hodgman's. A
-    segment counts as a polygon that runs forth and back, so the result may contain a corner twice.
+    The array ``outside`` (k,) contains the function's values at the corners. The method is that of Sutherland and
+    Hodgman. A corner may occur twice in the result, because a segment counts as a polygon that runs forth and back.
     """
     if (outside <= 0.0).all():
         return polygon
@@ -30,10 +30,10 @@ def common_part(first: FloatArray, second: FloatArray, tolerance: float) -> Floa
     """Return the corners (m, 2) of the common part of two convex figures; no corners if the figures are apart.
 
     Args:
-        first: corners of a figure, shape (k, 2): a point, both ends of a segment, or a polygon's corners in
+        first: corners of the first figure, shape (k, 2): a point, both ends of a segment, or a polygon's corners in
             counter-clockwise order.
-        second: corners of the other figure.
-        tolerance: distance [m] up to which a point or a segment counts as lying on the other figure's border.
+        second: corners of the second figure, shape (l, 2), in the same form.
+        tolerance: distance [m] up to which a point or a segment counts as lying on a figure's border.
     """
     if len(first) < len(second):
         first, second = second, first
@@ -53,12 +53,12 @@ def common_part(first: FloatArray, second: FloatArray, tolerance: float) -> Floa
 
 
 def room_inside(polygon: FloatArray, point: FloatArray) -> float:
-    """Return the distance [m] of a point (2,) from the border of a counter-clockwise polygon; negative outside."""
+    """Return the distance [m] from a point (2,) to the border of a counter-clockwise polygon; negative outside."""
     return -float(_outside(polygon, point[None], 0.0).max())
 
 
 def counter_clockwise(corners: FloatArray) -> FloatArray:
-    """Return the corners (k, 2) of a convex polygon in counter-clockwise order; a point or a segment as it is."""
+    """Return the corners (k, 2) of a convex figure; the corners of a polygon in counter-clockwise order."""
     if len(corners) < 3:
         return corners
     around = corners - corners.mean(axis=0)
@@ -76,7 +76,7 @@ def _outward(start: FloatArray, end: FloatArray) -> FloatArray:
 def _outside(figure: FloatArray, points: FloatArray, tolerance: float) -> FloatArray:
     """Return the distance [m] by which each point (m, 2) lies outside a figure; a negative distance inside a polygon.
 
-    The distance from a polygon is that from the line of its nearest edge.
+    The distance from a polygon is the greatest distance beyond the line of an edge.
     """
     if len(figure) == 1:
         from_point: FloatArray = np.linalg.norm(points - figure[0], axis=1)

@@ -1,7 +1,7 @@
 """Rigid bodies and Coulomb's law at their corners, as ``strong_stability`` needs them: in space, or in a plane.
 
-A corner that sticks, or slides in some sector of directions, has forces in a polyhedral cone. In the plane these cones
-are exact. In space they contain all forces that Coulomb's law allows:
+Each corner sticks, or slides in a sector of directions, or is open. The forces of a corner that sticks or slides lie in
+a polyhedral cone. In the plane these cones are exact. In space these cones contain all forces of Coulomb's law:
 
 - for a corner that sticks: the pyramid circumscribed about Coulomb's cone;
 - for a corner that slides in a sector: the cone over a triangle in the plane f_n = 1. The triangle's sides are the
@@ -80,9 +80,9 @@ def spatial_pile(corners: Corners, gyration: FloatArray) -> RigidPile:
 
 
 def planar_pile(corners: Corners, spatial: RigidPile) -> RigidPile | None:
-    """Return the pile in the plane x-z if the pile is its own mirror image in a plane y = const, else None.
+    """Return the pile in the x-z plane, or None if the pile is not its own mirror image in a plane y = const.
 
-    Bodies, or corners, that lie behind each other (same x and z, different y) become one.
+    Bodies behind each other, with the same x and z but different y, become one body. Corners do so too.
     """
     points, centers = corners.points / corners.length, corners.centers / corners.length
     bodies = _groups(np.column_stack([centers[:, [0, 2]], spatial.weights.reshape(-1, 6)[:, [0, 2]]]))
@@ -109,7 +109,7 @@ def planar_pile(corners: Corners, spatial: RigidPile) -> RigidPile | None:
 
 
 def _groups(rows: FloatArray) -> IntArray:
-    """Return a number for each row of ``rows`` (m, q), shape (m,); equal rows have the same number."""
+    """Return the number of each row's group, shape (m,); equal ``rows`` (m, q) form a group."""
     groups: IntArray = np.unique(np.round(rows / _SAME), axis=0, return_inverse=True)[1].reshape(-1)
     return groups
 
@@ -120,13 +120,13 @@ def _means(groups: IntArray, values: FloatArray) -> FloatArray:
 
 
 def law_in_plane(friction: float) -> Law:
-    """Return Coulomb's law with one tangent, which is exact."""
+    """Return Coulomb's exact law with one tangent."""
     generators = np.array([[1.0, friction], [1.0, -friction], [1.0, -friction], [1.0, friction]])
     return Law(generators, np.array([0, 0, 1, 2]), np.array([[1.0], [-1.0]]), np.array([1, 2]))
 
 
 def law_in_space(friction: float) -> Law:
-    """Return Coulomb's law with two tangents; see ``SECTORS`` for the bounds of friction."""
+    """Return bounds of Coulomb's law with two tangents: see ``SECTORS``."""
     half = np.pi / SECTORS
     middles = 2 * half * np.arange(SECTORS)
 

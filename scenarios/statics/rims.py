@@ -1,10 +1,10 @@
-"""Normals where the rim of a cylinder's end face touches another solid: an edge, a cylinder's side, or another rim.
+"""Normals of contacts at a rim, the border of a cylinder's end face, with an edge, a cylinder's side or another rim.
 
-A rim is a circle. The nearest points of a circle and of another curve have no closed form, so a search over the angle
-of the rim finds them: a grid of ``GRID`` angles, then a bounded minimisation of the squared distance between two
-neighbours of the best angle. If the tangents of both curves are t1 and t2, the normal is t1 x t2, because both solids
-are convex and each touches the plane of both tangents. Where the other surface is round, the normal is the vector
-between the nearest points.
+A rim is a circle. A search over the rim's angle finds the point nearest to another curve, because these points have no
+closed form: a grid of ``GRID`` angles, then a bounded minimisation of the squared distance between the two neighbours
+of the best angle. With the tangents t1 and t2 of both curves, the normal is t1 x t2, because both solids are convex and
+each touches the plane of both tangents. If the other surface is round, the normal is the vector between the nearest
+points.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ Nearest = Callable[[FloatArray], FloatArray]
 
 
 def rim_normals(first: Solid, second: Solid) -> FloatArray:
-    """Return the unit normals, either way, at which a rim of one solid may touch the other solid, shape (k, 3)."""
+    """Return unit normals, of either sign, at which a rim of one solid may touch the other solid, shape (k, 3)."""
     normals: list[FloatArray] = []
     for solid, other in ((first, second), (second, first)):
         if solid.disk:
@@ -45,7 +45,7 @@ def rim_normals(first: Solid, second: Solid) -> FloatArray:
 
 
 def _near_ends(solid: Solid, other: Solid) -> Iterator[FloatArray]:
-    """Yield the end of a cylinder that is nearer to the other solid, or both ends of a tie."""
+    """Yield the centre of the end face nearer to the other solid, or both centres if the distances are similar."""
     distances = [float(np.linalg.norm(other.core - end, axis=1).min()) for end in solid.core]
     yield solid.core[int(np.argmin(distances))]
     if abs(distances[1] - distances[0]) < solid.disk:
@@ -73,7 +73,7 @@ def _normals_of_rim(solid: Solid, end: FloatArray, other: Solid) -> Iterator[Flo
 
 
 class _Rim(NamedTuple):
-    """A circle: center + cos(angle) u + sin(angle) v."""
+    """A circle: the points center + cos(angle) u + sin(angle) v."""
 
     center: FloatArray
     u: FloatArray

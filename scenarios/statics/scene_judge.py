@@ -1,13 +1,13 @@
-"""The judge's answer about a scene: stands, falls or doubt, with margins and proof.
+"""The judge's verdict on a scene: stands, falls or doubt, with margins and proof.
 
-The answer follows from exact statics (``truth``) of every state of the scene, under both conventions for the normal of
-a ridge. Of a scene that stands, the answer has the margins of its last state:
+The verdict follows from exact statics (``truth``) of every state of the scene, under both conventions for the normal at
+a ridge. For a scene that stands, the module also computes the margins of the last state:
 
 - load: the greatest additional force along gravity at the centre of mass of the weakest brick (``brick_margins``);
 - tilt: the greatest turn of gravity, in the weakest of eight directions;
 - friction: the least coefficient of friction for which forces exist.
 
-Each margin counts equilibrium only, so that a stack which needs prestress may fall earlier.
+A margin is a statement about equilibrium. A stack that needs prestress may fall before its margin.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ NOTHING = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class SceneMargins:
-    """Distance of a standing scene from its limits, in its last state."""
+    """Margins of a scene that stands, in its last state."""
 
     load_n: FloatArray
     """Greatest additional load on each brick in place [N], shape (n,); infinite without a limit."""
@@ -51,7 +51,7 @@ class SceneMargins:
 
 @dataclass(frozen=True, slots=True)
 class PairForce:
-    """Force between two bodies: an example of forces that hold the scene, not the forces that arise in reality."""
+    """Force between two bodies, in an example of forces that hold the scene; real forces may differ."""
 
     first: int
     """Index of the body from which the normal points; ``GROUND`` for the ground and fixed bodies."""
@@ -64,7 +64,7 @@ class PairForce:
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """The judge's answer about a scene."""
+    """The judge's verdict on a scene, with margins and proof."""
 
     verdict: Literal["stands", "falls", "doubt"]
     why: str
@@ -81,10 +81,10 @@ class Judgement:
 
 
 def judge_scene(scene: Scene) -> Judgement:
-    """Return the judge's answer about a scene.
+    """Judge whether a scene stands.
 
     Raises:
-        ValueError: if bricks overlap, or a number is out of range; the message names the brick and the fix.
+        ValueError: if bricks overlap, or a number is out of range; the message names the brick.
     """
     check_pile(scene.bricks, scene.world.fixed, scene.world)
     conventions = _conventions(scene)
@@ -104,7 +104,7 @@ def judge_scene(scene: Scene) -> Judgement:
 
 
 def _conventions(scene: Scene) -> list[list[Patch]]:
-    """Return the patches of a scene under each convention for ridges; once if both are equal."""
+    """Return the patches of a scene for each convention for ridges; one list if both conventions agree."""
     bisector, face = (contact_patches(scene.bricks, scene.world.fixed, ridge=ridge) for ridge in RIDGES)
     is_equal = all((one.normal == other.normal).all() for one, other in zip(bisector, face, strict=True))
     return [bisector] if is_equal else [bisector, face]
@@ -138,7 +138,7 @@ def _margins(piles: Sequence[Pile]) -> SceneMargins:
 
 
 def _least_friction(pile: Pile) -> float:
-    """Return the least coefficient of friction for which forces exist, by bisection; 0 if pressure alone suffices."""
+    """Find the least coefficient of friction for which forces exist, by bisection; 0 if pressure alone suffices."""
     low, high = 0.0, pile.friction
     if solve_balance(*pile._replace(friction=0.0)).balanced:
         return 0.0

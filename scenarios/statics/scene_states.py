@@ -1,4 +1,4 @@
-"""The states of a scene: the bricks that are in place after each group of actions with the same time."""
+"""The states of a scene: the bricks in place after all actions of each time."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from scenarios.model import Place, Remove, Scene
 
 
 class State(NamedTuple):
-    """Bricks in their planned poses, at rest."""
+    """The bricks in place, at rest in their planned poses."""
 
     present: tuple[int, ...]
     """Indices of the bricks in place, in the order of placement."""
@@ -23,7 +23,7 @@ class State(NamedTuple):
 
 
 def scene_states(scene: Scene) -> Iterator[State]:
-    """Yield the states of a scene that only places and removes bricks, without states in which no brick is present.
+    """Yield the states of a scene that only places and removes bricks, without states that have no brick.
 
     Raises:
         ValueError: if the scene pushes, pulls, presses, drives or tilts bricks, for which statics has no answer.

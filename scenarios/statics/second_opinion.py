@@ -1,18 +1,19 @@
-"""Apply two criteria to a stack: a pair of scenes enters the study ``truth`` only if both criteria agree.
+"""Apply two criteria to a stack. A pair of scenes enters the study ``truth`` only if both criteria agree.
 
-The first criterion is loading from zero (``loading``). A stack that comes to rest must be stable for the judge
-(``truth``), and the first applicable criterion of these must confirm it:
+The first criterion is loading from zero (``loading``). If a stack comes to rest in this loading, the judge (``truth``)
+must call it stable, and the first applicable criterion of this list must confirm it:
 
-1. ``normal forces``: normal forces alone hold the stack, so rest is the only solution (proof in ``force_balance``);
-2. ``strong stability``: rest is the only solution of rigid bodies (``strong_stability``, small piles);
-3. ``other stiffness``: the stack comes to rest with ``DRAWS`` random stiffnesses too, each corner up to three times
-   softer or stiffer. This is the weakest of the three criteria, for piles that are too large for the second criterion.
+1. ``normal forces``: normal forces alone hold the stack. Then rest is the only solution (proof in ``force_balance``).
+2. ``strong stability``: rest is the only solution of rigid bodies (``strong_stability``, for small piles).
+3. ``other stiffness``: the stack comes to rest with ``DRAWS`` draws of random stiffness too, with each corner up to
+   three times softer or stiffer. This criterion is the weakest, and serves piles too large for the second criterion.
 
-A stack that falls must not be stable for the judge, and the first applicable criterion of these must confirm it:
+If a stack falls in the loading, the judge must not call it stable, and the first applicable criterion of this list must
+confirm the fall:
 
-1. ``cone``: no forces hold the stack, by a proof;
-2. ``strong stability``: rigid bodies may take another acceleration than rest;
-3. ``load-bearing contacts``: no forces hold the stack at contacts whose cones contain the vertical.
+1. ``cone``: a proof shows that no forces hold the stack.
+2. ``strong stability``: rigid bodies may take an acceleration other than zero.
+3. ``load-bearing contacts``: no forces at contacts whose cones contain the vertical hold the stack.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ MOST_CHOICES = 40
 
 @dataclass(frozen=True, slots=True)
 class Agreement:
-    """The verdict of two criteria."""
+    """The common verdict of two criteria."""
 
     verdict: Answer
     """The common verdict; ``doubt`` if the criteria disagree, or if either criterion is in doubt."""
@@ -54,7 +55,7 @@ class Agreement:
 
 
 def agreed_verdict(bricks: Sequence[Brick], world: World, *, ridge: Ridge = "bisector") -> Agreement:
-    """Return the verdict on which loading and a second criterion agree, for bricks in their planned poses.
+    """Return the verdict of loading and a second criterion on bricks in their planned poses; doubt if they disagree.
 
     Args:
         bricks: at least one brick; bricks may touch, but must not overlap.

@@ -1,21 +1,22 @@
 """The contact patch of two convex solids: corners and normal, for polyhedra, spheres, capsules and cylinders.
 
-Two solids touch if a direction n separates them with a gap of zero; the gap along n is -h1(n) - h2(-n), with the
-support functions of both solids (``convex_solids``). The greatest gap over all directions belongs to a *candidate*:
+Two solids touch if a direction n separates them with a gap of zero. The gap along n is -h1(n) - h2(-n), with the
+support functions h1 and h2 of both solids (``convex_solids``). The direction of the greatest gap is one of these
+*candidates*:
 
 - the normals of both solids' faces, and the axes of cylinders;
 - the cross products of an edge of each solid, where the axis of a cylinder counts as an edge;
-- from a vertex or an edge of one core to the nearest point of the other core, if a solid is round there;
-- where the rim of a cylinder meets an edge, an axis or another rim (``rims``).
+- the direction from a vertex or an edge of one core to the nearest point of the other core, if a solid is round there;
+- the normals at the rim of a cylinder that meets an edge, an axis or another rim (``rims``).
 
-The patch is the common part of both solids' features along the normal. The normal is determined in these cases:
+The patch is the common part of both solids' features along the normal. The normal is definite in these cases:
 
 1. the patch lies inside a face, or inside the end face of a cylinder;
 2. two edges that are not parallel cross each other;
 3. one surface is smooth where the solids touch: a ball, or the side of a cylinder;
 4. two parallel edges of polyhedra meet: a convention gives the normal, as for boxes (``contact_patch``).
 
-In other cases the solids only graze and count as apart, for example two corners that meet.
+In other cases, for example two corners that meet, the solids only graze, and count as apart.
 """
 
 from __future__ import annotations
@@ -51,11 +52,11 @@ class OverlapError(ValueError):
 def solids_touch(
     first: Solid, second: Solid, *, gap: float, ridge_gap: float, parallel: float, is_bisector: bool = True
 ) -> tuple[FloatArray, FloatArray] | None:
-    """Return corners (k, 3) [m] and normal (3,) of two solids' patch; None if the solids are apart.
+    """Return the corners (k, 3) [m] and the normal (3,) of two solids' patch; None if the solids are apart.
 
     Args:
         first: the solid from which the normal points.
-        second: the other solid.
+        second: the solid to which the normal points.
         gap: greatest gap or overlap [m] of solids that touch.
         ridge_gap: greatest gap [m] between two parallel edges that meet.
         parallel: sine of the angle below which two directions count as parallel.
@@ -88,7 +89,7 @@ def solids_touch(
 
 
 def all_candidates(first: Solid, second: Solid) -> FloatArray:
-    """Return all candidate normals from the first to the second solid, shape (k, 3), some of them more than once."""
+    """Return all candidate normals from the first to the second solid, shape (k, 3), perhaps with repetitions."""
     parts = [_flats(first), -_flats(second), _both_ways(_across_edges(first, second, _PARALLEL))]
     parts.append(_both_ways(_from_round_surfaces(first, second)))
     if first.disk or second.disk:
@@ -97,7 +98,7 @@ def all_candidates(first: Solid, second: Solid) -> FloatArray:
 
 
 def separation(first: Solid, second: Solid) -> tuple[float, FloatArray]:
-    """Return the greatest gap [m] over all candidates, negative for solids that overlap, and its normal (3,)."""
+    """Return the greatest gap [m] over all candidates, and its normal (3,); the gap of an overlap is negative."""
     normals = all_candidates(first, second)
     gaps = _gaps(first, second, normals)
     best = int(gaps.argmax())
@@ -126,7 +127,7 @@ def _directions(solid: Solid) -> FloatArray:
 
 
 def _across_edges(first: Solid, second: Solid, parallel: float) -> FloatArray:
-    """Return the unit vectors across all pairs of edges that are not parallel, shape (k, 3)."""
+    """Return unit vectors (k, 3), each perpendicular to an edge of each solid, for edges that are not parallel."""
     normals = np.cross(_directions(first)[:, None], _directions(second)[None]).reshape(-1, 3)
     length = np.linalg.norm(normals, axis=1)
     crossed = length > parallel
@@ -135,7 +136,7 @@ def _across_edges(first: Solid, second: Solid, parallel: float) -> FloatArray:
 
 
 def _from_round_surfaces(first: Solid, second: Solid) -> FloatArray:
-    """Return the unit vectors between nearest points of both cores where a surface is round, shape (k, 3)."""
+    """Return the unit vectors (k, 3) between nearest points of both cores, for round surfaces."""
     normals = []
     if first.ball or second.ball:
         between = (second.core[None] - first.core[:, None]).reshape(-1, 3)
@@ -145,7 +146,7 @@ def _from_round_surfaces(first: Solid, second: Solid) -> FloatArray:
 
 
 def _from_lines(solid: Solid, points: FloatArray) -> FloatArray:
-    """Return the vectors from the line of each edge to each point, perpendicular to the edge, shape (e p, 3)."""
+    """Return the perpendicular vectors from the line of each of e edges to each of p points, shape (e p, 3)."""
     along = _directions(solid)
     between = points[None] - solid.core[solid.edges[:, 0]][:, None]
     across: FloatArray = between - np.einsum("epd,ed->ep", between, along)[..., None] * along[:, None]
@@ -160,15 +161,15 @@ def _unit(vectors: FloatArray) -> FloatArray:
 
 
 def _shared(first: Solid, second: Solid, normal: FloatArray, gap: float, surface: Surface) -> FloatArray:
-    """Return the corners (k, 3) [m] of the patch along a normal; no corners if the solids do not determine the normal.
+    """Return the corners (k, 3) [m] of the patch along a normal; no corners if the solids only graze.
 
     Args:
         first: the solid from which the normal points.
-        second: the other solid.
+        second: the solid to which the normal points.
         normal: the unit normal.
         gap: greatest gap [m].
-        surface: kind of candidate: the middle of a patch on a ``flat`` surface must lie inside a polygon, and
-            ``edges`` must cross.
+        surface: kind of candidate. For ``flat`` the middle of the patch must lie inside a polygon; ``edges`` must
+            cross.
     """
     plane = perpendicular(normal)
     features = [first.feature(normal, gap), second.feature(-normal, gap)]
@@ -189,12 +190,12 @@ def _shared(first: Solid, second: Solid, normal: FloatArray, gap: float, surface
 def _meeting_edges(
     first: Solid, second: Solid, faces: FloatArray, ridge_gap: float, parallel: float, is_bisector: bool
 ) -> tuple[FloatArray, FloatArray] | None:
-    """Return the segment (2, 3) [m] in which two parallel edges meet, and its normal (3,); None if no edges meet so.
+    """Return the segment (2, 3) [m] in which two parallel edges meet, and the normal (3,); None without such edges.
 
     Args:
         first: the solid from which the normal points.
-        second: the other solid.
-        faces: normals of the faces that separate the solids. They bound the range of separating directions.
+        second: the solid to which the normal points.
+        faces: normals of the faces that separate the solids. These normals bound the range of separating directions.
         ridge_gap: greatest gap [m] between the edges.
         parallel: sine of the angle below which two directions count as parallel.
         is_bisector: True for the middle of the range, False for the face of ``first``.

@@ -1,36 +1,46 @@
 """Strong stability after Pang and Trinkle, as a mixed-integer program: a second opinion on small piles.
 
-Rigid bodies that start from rest under their weights w take accelerations a with contact forces f such that
+Rigid bodies start from rest under their weights w. With the masses M and the map J from motions of the bodies to
+relative motions at the corners, their accelerations a and contact forces f satisfy
 
     M a = w + J^T f
     0 <= f_n, 0 <= J_n a, and one of them is zero                          at each corner
     J_t a = 0 and |f_t| <= mu f_n, or f_t = -mu f_n J_t a / |J_t a|        where J_n a = 0
 
-A pile is *strongly stable* if a = 0 is the only solution. Contact forces do no positive work, so 0 <= a . M a <= w . a:
-in every other solution some body goes down along its weight. Each corner has one of these modes: it is open, sticks, or
-slides in one of k sectors of directions. One binary variable z for each mode except "open" makes the problem linear:
+A pile is *strongly stable* if a = 0 is the only solution. In every other solution a body goes down along its weight,
+because contact forces do no positive work: 0 <= a . M a <= w . a. Each corner has one of these modes: it is open,
+sticks, or slides in one of k sectors of directions. A binary variable z for each mode except "open" makes the problem
+linear:
 
     sum z <= 1,    0 <= J_n a <= A (1 - sum z)                     A: bound of accelerations
     f = sum of generators of the mode's cone, sum of f_n <= F z    F: bound of forces
     c . J_t a >= -A (1 - z_stick - z_j)                            c: the normals of the borders of sector j
 
-The program searches for a solution in which the centre of mass of any body, chosen by more binary variables, falls with
-``LEAST_FALL`` or more. If no solution exists, the pile is strongly stable, within these limits:
+More binary variables choose a body. The program searches for a solution in which the centre of mass of this body falls
+with ``LEAST_FALL`` or more. If no solution exists, the pile is strongly stable, within these limits:
 
 - For a pile that is its own mirror image, the program works in the plane of symmetry, with two sliding directions. This
-  is exact, except for motions out of the plane. Other piles have ``SECTORS`` sectors, in which friction may lie
-  anywhere in a triangle around the sector's arc of Coulomb's circle, and corners that stick have the circumscribed
-  pyramid. So the program's solutions include all true solutions.
-- Forces are at most ``MOST_FORCE`` times all weight. A solution with larger, self-stressing forces also exists with
-  smaller forces in the same modes, unless a slow motion needs a large self-stress. In the piles that were tried, forces
-  stayed below the weight of all bodies.
+  program is exact, except for motions out of the plane.
+- Other piles have ``SECTORS`` sectors. Friction may lie anywhere in a triangle around the sector's arc of Coulomb's
+  circle, and corners that stick have the circumscribed pyramid. Therefore the program's solutions include all true
+  solutions.
+- Forces are at most ``MOST_FORCE`` times the weight of all bodies. A solution with larger, self-stressing forces also
+  exists with smaller forces in the same modes, unless a slow motion needs a large self-stress. In tests, forces stayed
+  below the weight of all bodies.
 - Only the first instant counts. A weak pile may still stand: logs in three rows may roll apart, but need not.
-- ``force_balance`` decides whether rest is a solution at all; if it is not, "strong" only means that nothing falls
-  faster than ``LEAST_FALL``.
+- ``force_balance`` decides whether rest is a solution at all. If rest is no solution, "strong" only means that nothing
+  falls faster than ``LEAST_FALL``.
 
-HiGHS takes 0.1-0.6 s for a V or a plank at a wall (9-12 binary variables), 2 s for a card house of two storeys (39), 10
-s for four balls in space (54) and 20 s for an arch of 5 voussoirs (36). HiGHS does not finish an arch of 7 (48) in one
-minute, nor a card house of three storeys (84) in twenty. A pile that is not solved in time is in doubt.
+Times of the solver HiGHS, with the numbers of binary variables:
+
+- V, or plank at a wall (9 to 12): 0.1 to 0.6 s;
+- card house of two storeys (39): 2 s;
+- four balls in space (54): 10 s;
+- arch of 5 voussoirs (36): 20 s;
+- arch of 7 voussoirs (48): no result in one minute;
+- card house of three storeys (84): no result in twenty minutes.
+
+A pile without a result in time is in doubt.
 
 Reference:
     J.-S. Pang and J. C. Trinkle, "Stability characterizations of rigid body contact problems with Coulomb friction",
@@ -68,7 +78,7 @@ _INFEASIBLE = 2
 
 @dataclass(frozen=True, slots=True)
 class Strength:
-    """Result of strong stability: whether zero is the only acceleration that rigid bodies may take from rest."""
+    """Result of the test of strong stability."""
 
     verdict: Literal["strong", "weak", "doubt"]
     """Verdict on the pile:
@@ -102,12 +112,12 @@ def strong_stability(
         centers: centres of mass [m], shape (n, 3).
         weights: weight vectors [N], shape (n, 3); masses are in proportion.
         patches: contact patches.
-        friction: Coulomb coefficient of every pair; with a ratio of its own at a patch, the verdict is doubt.
-        length: the length unit [m] in which moments count; a typical edge.
+        friction: Coulomb coefficient of every pair. If a patch has a ratio of its own, the verdict is doubt.
+        length: length unit [m] of the moments: a typical edge.
         gyration: inertia over mass [m2], shape (n, 3, 3); by default the result of ``ball_gyration``.
         seconds: time limit [s].
-        most_choices: greatest number of binary variables, beyond which the verdict is doubt at once; by default there
-            is no limit.
+        most_choices: greatest number of binary variables. Beyond this number the verdict is doubt at once. None for no
+            limit.
     """
     if gyration is None:
         gyration = ball_gyration(centers, patches, length)
@@ -126,8 +136,8 @@ def strong_stability(
 def _solve(problem: RigidPile, law: Law, seconds: float) -> Strength:
     """Use HiGHS to search for an acceleration with which a body falls.
 
-    The unknowns are the accelerations (d), the amplitudes of generators (p g), the modes (p m) and the falling body
-    (n).
+    The unknowns are d accelerations, p g amplitudes of the g generators of p corners, p m modes with m modes a corner,
+    and the choice among n bodies.
     """
     size, corners, _ = problem.wrenches.shape
     bodies, modes, generators = len(problem.down), int(law.modes.max()) + 1, corners * len(law.modes)
@@ -180,7 +190,7 @@ def _constraints(problem: RigidPile, law: Law, most: float) -> LinearConstraint:
 
 
 class _Rows(NamedTuple):
-    """Rows ``least <= a-part + x-part + z-part + y-part <= most``; a part that is None is zero."""
+    """Rows of the program: ``least`` <= the sum of the parts a, x, z, y times their unknowns <= ``most``."""
 
     least: float | FloatArray
     most: float | FloatArray
@@ -205,13 +215,13 @@ class _Rows(NamedTuple):
 
 
 def _each(corners: int, block: npt.NDArray[Any]) -> FloatArray:
-    """Repeat a block for every corner, along the diagonal."""
+    """Return a matrix with a copy of ``block`` for every corner, along the diagonal."""
     blocks: FloatArray = np.kron(np.eye(corners), block)
     return blocks
 
 
 def _greatest(problem: RigidPile, rows: FloatArray) -> FloatArray:
-    """Return an upper bound of |row . a| for each row of ``rows`` (m, d), shape (m,).
+    """Return an upper bound of |row . a| over all accelerations a, for each of ``rows`` (m, d), shape (m,).
 
     The bound holds because a . M a <= w . a, and therefore a . M a <= w . M^-1 w.
     """

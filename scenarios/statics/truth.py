@@ -1,20 +1,23 @@
 """Exact statics of the ideal geometry: the judge of the suite, independent of ``stability_core``.
 
-``equilibrium`` decides whether bricks in their planned poses can rest; ``first_fall`` finds the level at which a scene
-must fall. Bricks are rigid convex bodies, heights exact; friction is Coulomb's. Statics ignores the energy of a real
-drop, so an answer holds in an engine only at some distance from the limit.
+``equilibrium`` decides whether bricks in their planned poses can rest. ``first_fall`` finds the level at which a scene
+must fall. Bricks are rigid convex bodies with exact dimensions, and friction obeys Coulomb's law. A verdict holds in an
+engine only at some distance from the limit, because statics ignores the energy of a real drop.
 
 The first applicable criterion decides:
 
-1. ``normal forces`` alone hold all bodies: stable, and rest is the only solution (proof in ``force_balance``);
-2. ``vertical forces`` at load-bearing contacts hold all bodies: stable;
-3. no forces in the Coulomb ``cone`` hold all bodies: unstable, with a mechanism as proof; without any proof: doubt;
-4. ``loading`` from zero reaches no equilibrium: doubt, because the pile needs prestress that nothing supplies;
-5. forces exist with ``LESS_FRICTION`` times the friction too, but then loading reaches no equilibrium: doubt;
-6. otherwise: stable.
+1. ``normal forces`` alone hold all bodies: stable, and rest is the only solution (proof in ``force_balance``).
+2. ``vertical forces`` at load-bearing contacts hold all bodies: stable.
+3. No forces in the Coulomb ``cone`` hold all bodies: unstable, with a mechanism as proof. If no proof exists, the
+   verdict is doubt.
+4. ``loading`` from zero reaches no equilibrium: doubt, because the pile needs prestress that nothing supplies.
+5. Forces exist with ``LESS_FRICTION`` times the friction too, but with this friction loading reaches no equilibrium:
+   doubt.
+6. All other cases: stable.
 
-So a pile that must fall may be in doubt instead of unstable, but no pile that needs prestress is called stable.
-Criterion 5 does not apply if nine tenths of the friction allow no forces at all, so that V and arch have sharp limits.
+Therefore a pile that must fall may be in doubt instead of unstable, but no pile that needs prestress is stable.
+Criterion 5 does not apply if ``LESS_FRICTION`` times the friction allows no forces at all, so that the limits of a V
+and of an arch are sharp.
 """
 
 from __future__ import annotations
@@ -40,7 +43,7 @@ courses stood when loaded from zero, but fell in two engines. With this share, o
 
 
 class UndecidedError(ArithmeticError):
-    """Error for a pile in doubt: it is too close to its limit, or forces that could hold it do not arise."""
+    """Error for a pile in doubt; the message gives the reason and the fix."""
 
 
 def equilibrium(
@@ -48,17 +51,17 @@ def equilibrium(
 ) -> Statics:
     """Judge whether bricks in their planned poses can rest.
 
-    The verdict depends neither on scale nor on density: it is the same for planks of 8 mm and blocks of 8 m, of wood or
-    of lead.
+    The verdict depends neither on scale nor on density: planks of 8 mm and blocks of 8 m, of wood or of lead, have the
+    same verdict.
 
     Args:
         bricks: at least one brick; bricks may touch, but must not overlap (see ``contact_patch.TOUCH``).
-        world: friction, gravity and fixed boxes; tilted gravity stands for a slope.
-        walls: boxes that never move, in addition to ``world.fixed``.
+        world: friction, gravity and fixed bodies. Tilted gravity stands for a slope.
+        walls: bodies that never move, in addition to ``world.fixed``.
         ridge: the normal where two parallel edges meet (see ``contact_patch``).
 
     Raises:
-        ValueError: if there is no brick or no gravity, an edge, a mass or friction is out of range, a number is not
+        ValueError: if there is no brick or no gravity, an edge, a mass or the friction is out of range, a number is not
             finite, or bricks overlap.
     """
     walls = [*world.fixed, *walls]
@@ -69,7 +72,7 @@ def equilibrium(
 def equilibrium_among(
     present: Sequence[int], bricks: Sequence[Brick], patches: Sequence[Patch], world: World
 ) -> Statics:
-    """Judge whether some bricks of a plan can rest without the others; see ``equilibrium``.
+    """Judge whether the bricks ``present`` of a plan can rest without its other bricks; see ``equilibrium``.
 
     Args:
         present: indices of the bricks that are in place.
@@ -81,15 +84,16 @@ def equilibrium_among(
 
 
 def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
-    """Return the level at which a scene, built action by action, first has no equilibrium; None if it always stands.
+    """Return the level at which a scene first has no equilibrium; None if the scene always stands.
 
-    After a removal, the level is the highest level placed so far. The function judges actions with the same time
-    together.
+    The function judges the scene after all actions of each time. After a removal, the level is the highest level placed
+    so far.
 
     Raises:
         UndecidedError: if a state of the scene is in doubt.
-        ValueError: if the scene pushes or pulls bricks, for which statics has no answer, or places a brick where a
-            removed brick was planned, because the two would overlap.
+        ValueError: if the scene pushes, pulls, presses, drives or tilts bricks, because statics has no answer for these
+            actions; or if the plans of two bricks overlap, even if the scene removes one of them before it places the
+            other.
     """
     check_pile(scene.bricks, scene.world.fixed, scene.world)
     patches = contact_patches(scene.bricks, scene.world.fixed, ridge=ridge)
@@ -122,9 +126,10 @@ def judge(
         weights: weight vectors [N], shape (n, 3); masses are in proportion.
         patches: contact patches.
         friction: Coulomb coefficient of every pair.
-        length: the length unit [m] in which moments count; a typical edge.
+        length: length unit [m] of the moments: a typical edge.
         gyration: inertia over mass [m2], shape (n, 3, 3); by default the result of ``ball_gyration``.
-        loading: the result of ``load_from_zero`` for the same arguments, if the caller has this result.
+        loading: the result of ``load_from_zero`` for the same arguments; by default the function computes this result
+            if necessary.
     """
     statics = solve_balance(centers, weights, patches, friction, length)
     if not (statics.verdict == "doubt" and statics.balanced):
@@ -145,7 +150,7 @@ def _judge(bricks: Sequence[Brick], patches: Sequence[Patch], world: World, wall
 
 
 def check_pile(bricks: Sequence[Brick], walls: Sequence[Brick], world: World) -> None:
-    """Raise ``ValueError``, which names the fix, unless bricks, walls and world are valid."""
+    """Raise ``ValueError`` unless bricks, walls and world are valid; the message names the fault."""
     if not bricks:
         raise ValueError("bricks must contain at least one brick to judge, got none")
     for index, brick in enumerate([*bricks, *walls]):

@@ -1,4 +1,4 @@
-"""Assemble the statics problem of a part of the stack, with the action of the rest of the stack on it."""
+"""Assemble the statics problem of a part of the stack, with the action of all other bodies on this part."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Terms(NamedTuple):
 
 
 class Part(NamedTuple):
-    """A statics problem, with the bodies and patches that its rows stand for."""
+    """A statics problem, with the body and the patch of each row."""
 
     problem: Problem
     """The problem; its bodies are in the order of ``ids``."""
@@ -95,7 +95,10 @@ def _patches_of(graph: Graph, ids: IntArray, index: IntArray, outside: int) -> t
 
 @compiled
 def _lever(graph: Graph, at: int, vertex: int, margin: float, body: int, lever: FloatArray) -> float:
-    """Write the lever from a body's centre to a vertex of patch ``at``, moved out by ``margin``; return its length."""
+    """Write the lever from a body's centre to a vertex of patch ``at``; return the length [m] of the lever.
+
+    The ``margin`` [sizes] shifts the vertex outward from the patch's centre.
+    """
     patch = graph.patches[at]
     outward = np.hypot(patch.vertex[vertex, 0] - patch.center[0], patch.vertex[vertex, 1] - patch.center[1])
     stretch = margin * size_of_pair(graph.bodies, patch.upper, patch.lower) / outward if outward > 0.0 else 0.0
@@ -107,12 +110,12 @@ def _lever(graph: Graph, at: int, vertex: int, margin: float, body: int, lever: 
 
 @compiled
 def _rolling(graph: Graph, patches: IntArray, index: IntArray, n: int, radius: float) -> FloatArray:
-    """Return 1 for each of the ``n`` bodies that touch only in points and lines, 0 for the others, shape (n,).
+    """Return 1 for each of ``n`` bodies that touches only in points and lines, else 0, shape (n,).
 
     Args:
         graph: the stack.
         patches: rows of the patches that touch the bodies, shape (p,).
-        index: index of each body in the problem, or negative.
+        index: index of each body in the problem; negative for a body outside the problem.
         n: number of bodies.
         radius: width [sizes] up to which a patch is a point or a line.
     """
@@ -130,7 +133,7 @@ def _rolling(graph: Graph, patches: IntArray, index: IntArray, n: int, radius: f
 def _add_kept_forces(
     graph: Graph, memory: Memory, kept: IntArray, index: IntArray, size: FloatArray, load: FloatArray
 ) -> None:
-    """Subtract the kept forces of the patches ``kept`` (q,) from the load that the other contacts must bear."""
+    """Subtract the kept forces of the patches ``kept`` (q,) from the ``load`` (n, 6) of all other contacts."""
     lever = np.empty(3)
     for at in kept:
         if not is_known(graph, memory, at):

@@ -1,11 +1,13 @@
 """Displace bodies on compliant contacts under their loads, by Newton's method for one kappa.
 
-See ``loading`` for the contact law, the equation and the use of the result. A solution exists for every kappa, because
-contact forces do no positive work. Friction that grows with the pressure makes the derivative unsymmetric, so that
-halved steps may end in a local minimum of the imbalance. Rounds of friction bounds continue the search from that
-minimum: the latest forces bound each contact's friction (Tresca's law, whose solution is the minimum of a convex energy
-except for NORMAL_NOISE), the method displaces the bodies with these bounds, and the search with Coulomb's law starts
-again from the result.
+See ``loading`` for the symbols, the contact law and the equation. A solution exists for every kappa, because contact
+forces do no positive work. Friction that grows with the pressure makes the derivative unsymmetric, so that halved steps
+may end in a local minimum of the imbalance. Rounds of friction bounds continue the search from this minimum:
+
+1. The latest forces bound each contact's friction (Tresca's law).
+2. The method displaces the bodies with these bounds. The solution is the minimum of a convex energy, except for
+   NORMAL_NOISE.
+3. The search with Coulomb's law starts again from the result.
 
 Reference: N. Kikuchi, J. T. Oden, "Contact problems in elasticity", SIAM 1988, chapter 10, for the fixed point.
 """
@@ -52,7 +54,7 @@ does not depend on this value."""
 
 
 class Case(NamedTuple):
-    """A problem to be solved by displacement, with one ratio of stiffnesses."""
+    """A problem of displacement, with one ratio of stiffnesses."""
 
     problem: Problem
     """The problem, with loads in units of their mean."""
@@ -74,7 +76,7 @@ def contact_law(case: Case, v: FloatArray, force: FloatArray, tangent: FloatArra
         case: a case with m contacts.
         v: relative displacements of the second body against the first, shape (m, 3).
         force: output, the forces, shape (m, 3).
-        tangent: output, C = -df/dv, shape (m, 3, 3). A contact that is neither pressed nor moved counts as sticking.
+        tangent: output, C = -df/dv, shape (m, 3, 3). A contact without pressure and motion counts as sticking.
     """
     problem, stiffness = case.problem, case.stiffness
     e, row, column = np.empty(3), np.empty(3), np.empty(3)
@@ -112,7 +114,10 @@ def contact_law(case: Case, v: FloatArray, force: FloatArray, tangent: FloatArra
 
 @compiled
 def _wrenches(lever: FloatArray, matrix: FloatArray, right: FloatArray) -> None:
-    """Write ``matrix`` (3, 3) times W, (3, 6), to ``right``: W y = v + w x ``lever`` for a motion y = (v, w)."""
+    """Write ``matrix`` (3, 3) times W (3, 6) to ``right`` (3, 6).
+
+    W gives the velocity of a contact at ``lever`` under a motion y = (v, w): W y = v + w x ``lever``.
+    """
     for k in range(3):
         right[k, 0], right[k, 1], right[k, 2] = matrix[k, 0], matrix[k, 1], matrix[k, 2]
         right[k, 3] = matrix[k, 2] * lever[1] - matrix[k, 1] * lever[2]
@@ -131,7 +136,7 @@ def _add_block(
     lever: FloatArray,
     right: FloatArray,
 ) -> None:
-    """Add sign W^T right, (6, 6), to the block of the bodies in places i and j; W belongs to ``lever``."""
+    """Add sign W^T right (6, 6) to the block of the bodies in places i and j, with W of ``lever`` (``_wrenches``)."""
     for h in range(6):
         x, y, z = right[0, h], right[1, h], right[2, h]
         moment = (lever[1] * z - lever[2] * y, lever[2] * x - lever[0] * z, lever[0] * y - lever[1] * x)
@@ -149,7 +154,7 @@ def _add_block(
 def _assemble(
     case: Case, tangent: FloatArray, inertia: FloatArray, u: FloatArray, lower: FloatArray, upper: FloatArray
 ) -> None:
-    """Assemble A C A^T + M / kappa: its lower triangle by rows, its upper triangle by columns, the diagonal in both.
+    """Assemble A C A^T + M / kappa in ``lower`` by rows and in ``upper`` by columns, with the diagonal in both.
 
     ``inertia`` (n, 6) is the diagonal M / kappa. The slack of a rolling body adds stiffness until the body has turned
     by 1 / ``ROLLING``.
@@ -181,9 +186,10 @@ def _assemble(
 
 @compiled
 def _unbalanced(problem: Problem, inertia: FloatArray, u: FloatArray, force: FloatArray, rest: FloatArray) -> float:
-    """Write A f - w - M u / kappa to ``rest`` (n, 6); return the norm of (kappa / weight) times each body's rest.
+    """Write the imbalance of each body to ``rest`` (n, 6); return the norm of the rests times kappa over the weights.
 
-    For a rolling body, the rest also contains the moment with which its slack resists the rotation.
+    The imbalance is A f - w - M u / kappa, and for a rolling body also the moment with which its slack resists the
+    rotation.
     """
     imbalance(problem, force, rest)
     total = 0.0
@@ -203,7 +209,7 @@ def _unbalanced(problem: Problem, inertia: FloatArray, u: FloatArray, force: Flo
 def _solve(
     lower: FloatArray, upper: FloatArray, envelope: Envelope, place: IntArray, right: FloatArray, step: FloatArray
 ) -> None:
-    """Solve with the factors, in place: ``right`` (n, 6) holds the right side, then the solution.
+    """Replace the right side ``right`` (n, 6) by the solution, with the factors ``lower`` and ``upper``.
 
     The function overwrites ``step`` (6 n,).
     """
@@ -220,7 +226,7 @@ def _solve(
 def _sensitivity(u: FloatArray, du: FloatArray) -> FloatArray:
     """Return the ratio of each body's largest component of ``du`` to its largest component of ``u``, shape (n,).
 
-    ``u`` (n, 6) is the displacement, and ``du`` (n, 6) its sensitivity d u / d ln kappa.
+    ``u`` (n, 6) is the displacement, and ``du`` (n, 6) is the sensitivity d u / d ln kappa.
     """
     found = np.empty(len(u))
     for i in range(len(u)):
@@ -243,8 +249,8 @@ def _inertia(problem: Problem) -> FloatArray:
 def displace(case: Case, kappa: float, most: int, u: FloatArray) -> tuple[bool, FloatArray]:
     """Move the displacements ``u`` (n, 6) to the solution for ``kappa``.
 
-    The method is semismooth Newton, with at most ``most`` steps, each halved until the imbalance decreases. A step
-    costs O(m) and a factorisation.
+    The method is semismooth Newton, with at most ``most`` steps. The method halves each step until the imbalance
+    decreases. A step costs O(m) and a factorisation.
 
     Returns:
         Two values:
@@ -298,7 +304,7 @@ def displace(case: Case, kappa: float, most: int, u: FloatArray) -> tuple[bool, 
 def displace_in_rounds(case: Case, kappa: float, u: FloatArray) -> tuple[bool, FloatArray]:
     """Find the solution of ``displace`` by rounds of friction bounds, which are slower but rarely fail.
 
-    Afterwards ``case.bound`` holds ``COULOMB``, as before.
+    Before and after the call, ``case.bound`` holds ``COULOMB``.
     """
     v, force = np.empty((len(case.bound), 3)), np.empty((len(case.bound), 3))
     tangent = np.empty((len(case.bound), 3, 3))

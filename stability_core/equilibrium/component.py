@@ -50,7 +50,7 @@ def component(graph: Graph, seeds: IntArray, members: IntArray) -> IntArray:
 
 @compiled
 def _reach(body: int, reached: BoolArray, found: IntArray, size: int) -> int:
-    """Add a body to ``found``, once; return the number of bodies found."""
+    """Add a body to ``found`` unless it is ``reached``; return the number of bodies in ``found``."""
     if reached[body]:
         return size
     reached[body] = True
@@ -60,16 +60,16 @@ def _reach(body: int, reached: BoolArray, found: IntArray, size: int) -> int:
 
 @compiled
 def bearing(graph: Graph, memory: Memory, seeds: IntArray, members: IntArray, gravity: float) -> IntArray:
-    """Return the bodies whose contact forces must be solved again for the ``seeds``; all other forces may stay.
+    """Return the bodies for which a change of the ``seeds`` requires new contact forces: O(result).
 
     The result contains the seeds, all bodies that bear the seeds down to the ground, and the bodies beside or above
-    them whose kept forces do not balance. If new forces balance these bodies under the kept forces on their border, the
-    whole stack is in balance. O(bodies found).
+    these bodies whose kept forces do not balance. All other forces may stay. If new forces balance the bodies of the
+    result under the kept forces on their border, the whole stack is in balance.
 
     Args:
         graph: the stack.
         memory: the kept forces.
-        seeds: bodies whose load or contacts changed, frozen or among the members, shape (n,).
+        seeds: bodies with a changed load or changed contacts, frozen or among the members, shape (n,).
         members: live bodies that count as if they were frozen, shape (m,).
         gravity: gravitational acceleration [m/s2], positive.
     """

@@ -1,7 +1,7 @@
-"""The Coulomb cone of a contact: |f_t| <= mu f_n, its projection and the derivative of that projection.
+"""The Coulomb cone |f_t| <= mu f_n of a contact: the projection onto the cone, and the derivative of the projection.
 
-The cone is exact: no pyramid replaces it. With mu = 0 the cone is the ray along the normal, so the same code serves
-forces of a known direction.
+The cone is exact: no pyramid replaces it. The same code serves forces of a known direction, because with mu = 0 the
+cone is the ray along the normal.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from stability_core.port import FloatArray
 
 @compiled
 def project(z: FloatArray, normal: FloatArray, friction: FloatArray, force: FloatArray) -> None:
-    """Project ``z`` onto each contact's cone, and write the projection into ``force``.
+    """Write the projection of ``z`` onto each contact's cone to ``force``.
 
     With z_n = z . n, t = |z - z_n n| and e the direction of the tangential part:
 
@@ -52,7 +52,7 @@ def derivative(z: FloatArray, normal: FloatArray, mu: float, direction: FloatArr
     0                                                      inside its polar
     w w^T + (mu s / t) (n x e) (n x e)^T                   else, with w = (n + mu e) / sqrt(1 + mu^2)
 
-    The apex counts as inside the cone, so that a search that starts from zero includes every contact.
+    The apex counts as inside the cone, so that a search from zero includes every contact.
 
     Args:
         z: point of evaluation, shape (3,).
@@ -94,7 +94,7 @@ def derivative(z: FloatArray, normal: FloatArray, mu: float, direction: FloatArr
 def add_derivative_along(
     z: FloatArray, normal: FloatArray, friction: FloatArray, dz: FloatArray, force: FloatArray
 ) -> None:
-    """Add to each ``force`` (m, 3) the derivative of the projection at ``z`` applied to ``dz``, all (m, 3)."""
+    """Add the derivative of the projection at ``z``, along ``dz``, to ``force``; all arrays of shape (m, 3)."""
     direction, weight = np.empty((3, 3)), np.empty(3)
     for c in range(len(z)):
         for k in range(derivative(z[c], normal[c], friction[c], direction, weight)):

@@ -1,13 +1,14 @@
 """Correct the forces of the previous frame, which nearly hold a set of bodies, for instance after one more plank.
 
-Of all forces with A f = w inside cones K' a little narrower than Coulomb's, the nearest to f0 is
+The symbols are those of ``newton``. The cones K' are a little narrower than Coulomb's cones K. Of all forces in K' with
+A f = w, the forces nearest to the previous forces f0 are
 
 f = P_K'(f0 + A^T y),    y minimises |P_K'(f0 + A^T y)|^2 / 2 - w . y.
 
-A step dy of Newton's method forecasts the forces f + P_K'' A^T dy, which balance but may leave K'. As soon as they lie
-in the true cones K they prove equilibrium, and the search ends before the minimum. The room between K' and K ends the
-search soon, mostly after one step, because the previous forces lie inside. If the search finds no forces of this
-kind, it proves nothing.
+With the derivative D of the projection P_K', a step dy of Newton's method forecasts the forces f + D A^T dy. These
+forces balance, but may leave K'. As soon as these forces lie in K, they prove equilibrium, and the search ends before
+the minimum. The search mostly ends after one step, because the previous forces lie inside K', and K has room around K'.
+If the search finds no forces of this kind, the search proves nothing.
 """
 
 from __future__ import annotations
@@ -38,8 +39,9 @@ def correct(
     Args:
         problem: n bodies and m contacts.
         rows: as for ``newton.solve``.
-        start: forces on the second bodies [N], shape (m, 3); zeros where no force is known.
-        y: multipliers of the search, shape (n, 6), zeros at first; updated, so that a later call continues.
+        start: forces on the second bodies [N], shape (m, 3); zero for an unknown force.
+        y: multipliers of the search, shape (n, 6), zeros at first. The function updates the multipliers, so that a
+            later call continues the search.
         steps: greatest number of steps.
 
     Returns:

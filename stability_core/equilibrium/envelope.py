@@ -1,8 +1,7 @@
-"""Cholesky factors of the sparse matrices of a stack, kept in an envelope (skyline) of their rows.
+"""Factors of the sparse matrices of a stack, in an envelope (skyline): each row from its first entry to the diagonal.
 
-A row is stored from its first entry to its diagonal. In reverse Cuthill-McKee order the rows of a column or a wall of n
-bodies have bounded length, so that a factorisation costs O(n). For a pile whose widest layer has w bodies it
-costs O(n w^2).
+In reverse Cuthill-McKee order the rows of a column or a wall of n bodies have bounded length, so that a factorisation
+costs O(n). For a pile whose widest layer has w bodies a factorisation costs O(n w^2).
 """
 
 from __future__ import annotations
@@ -32,7 +31,7 @@ class Envelope(NamedTuple):
 
 @compiled
 def _neighbours(body_a: IntArray, body_b: IntArray, n: int) -> tuple[IntArray, IntArray]:
-    """Return where each body's neighbours start in a list, (n + 1,), and the list; a pair may occur more than once."""
+    """Return the start of each body's neighbours in a list, (n + 1,), and the list; a pair may occur more than once."""
     start = np.zeros(n + 1, np.int64)
     for fill in range(2):
         listed = np.empty(start[n] if fill else 0, np.int64)
@@ -58,7 +57,10 @@ def _neighbours(body_a: IntArray, body_b: IntArray, n: int) -> tuple[IntArray, I
 
 @compiled
 def _spread(start: IntArray, listed: IntArray, root: int, reached: IntArray, mark: int, order: IntArray) -> int:
-    """Write the bodies breadth first from ``root`` into ``order``, fewest neighbours first; return their number."""
+    """Write the bodies reached from ``root`` to ``order``, breadth first; return their number.
+
+    Among the new neighbours of a body, bodies with fewer neighbours come first.
+    """
     order[0] = root
     reached[root] = mark
     size, done = 1, 0
@@ -84,8 +86,8 @@ def _spread(start: IntArray, listed: IntArray, root: int, reached: IntArray, mar
 def numbering(body_a: IntArray, body_b: IntArray, n: int) -> IntArray:
     """Return the place of each body in reverse Cuthill-McKee order, shape (n,).
 
-    The function numbers each component from an end: the last body that a breadth-first walk from any of its bodies
-    reaches.
+    The function numbers each component from an end: the last body of a breadth-first walk from any body of the
+    component.
 
     Args:
         body_a: index of the first body of each contact, negative for a fixed body, shape (m,).
@@ -110,7 +112,7 @@ def numbering(body_a: IntArray, body_b: IntArray, n: int) -> IntArray:
 
 @compiled
 def envelope_of(body_a: IntArray, body_b: IntArray, place: IntArray, width: int) -> Envelope:
-    """Return the envelope of a matrix with a block of ``width`` rows per body and an entry for each touching pair."""
+    """Return the envelope of a matrix with ``width`` rows for each body and an entry for each touching pair."""
     n = len(place)
     first_block = np.arange(n)
     for c in range(len(body_a)):
@@ -132,9 +134,10 @@ def envelope_of(body_a: IntArray, body_b: IntArray, place: IntArray, width: int)
 def _products(
     left: FloatArray, right: FloatArray, offset: IntArray, i: int, j: int, low: int, high: int, tile: FloatArray
 ) -> None:
-    """Write the products of rows i + a of ``left`` and j + b of ``right`` over columns ``low`` to ``high`` to ``tile``.
+    """Write the scalar products of three rows of ``left`` from i and three rows of ``right`` from j to ``tile`` (3, 3).
 
-    One pass computes all nine sums, so that they share their reads.
+    The products extend over the columns ``low`` to ``high``. One pass computes all nine sums, so that the sums share
+    their reads.
     """
     a0, b0 = left[offset[i] + low : offset[i] + high], right[offset[j] + low : offset[j] + high]
     a1, b1 = left[offset[i + 1] + low : offset[i + 1] + high], right[offset[j + 1] + low : offset[j + 1] + high]
@@ -159,9 +162,9 @@ def _products(
 
 @compiled
 def factorize(matrix: FloatArray, envelope: Envelope) -> None:
-    """Replace a positive definite matrix by its Cholesky factor, in place; store the diagonal inverted.
+    """Replace a positive definite matrix by its Cholesky factor, with the inverse of the diagonal.
 
-    The function works in tiles of 3 x 3, so the width of a block must be a multiple of 3.
+    The width of a block must be a multiple of 3, because the function works in tiles of 3 x 3.
     """
     first, offset = envelope.first, envelope.offset
     tile = np.empty((3, 3))
@@ -191,7 +194,7 @@ def _dot(left: FloatArray, right: FloatArray) -> float:
 
 @compiled
 def substitute(factor: FloatArray, envelope: Envelope, x: FloatArray) -> None:
-    """Solve with the factor, in place: ``x`` holds the right side, then the solution."""
+    """Replace the right side ``x`` by the solution, with the factor of ``factorize``."""
     first, offset = envelope.first, envelope.offset
     n = len(first)
     for i in range(n):
@@ -234,7 +237,7 @@ def _finish_upper(lower: FloatArray, upper: FloatArray, offset: IntArray, j: int
 def _finish_diagonal(lower: FloatArray, upper: FloatArray, offset: IntArray, i: int, tile: FloatArray) -> None:
     """Finish L(i, i) and U(i, i) of a tile on the diagonal: subtract the products ``tile``, and factorize.
 
-    The diagonal of U(i, i) is stored inverted.
+    U(i, i) has the inverse of its diagonal.
     """
     for b in range(3):
         for a in range(3):
@@ -250,11 +253,11 @@ def _finish_diagonal(lower: FloatArray, upper: FloatArray, offset: IntArray, i: 
 
 @compiled
 def factorize_general(lower: FloatArray, upper: FloatArray, envelope: Envelope) -> None:
-    """Replace a matrix with a symmetric pattern by its factors L U, in place; L has ones on its diagonal.
+    """Replace a matrix with a symmetric pattern by its factors L and U; L has ones on its diagonal.
 
-    ``lower`` holds the lower triangle by rows, ``upper`` the upper triangle by columns, both with the diagonal, each in
-    the envelope. U has its diagonal inverted. There is no pivoting: after a zero pivot the result is wrong, which the
-    caller detects by the residual. The function works in tiles, as ``factorize`` does.
+    In the envelope, ``lower`` holds the lower triangle by rows, and ``upper`` holds the upper triangle by columns, both
+    with the diagonal. U has the inverse of its diagonal. There is no pivoting: after a zero pivot the result is wrong,
+    and the caller must detect the error by the residual. The function works in tiles, as ``factorize`` does.
     """
     first, offset = envelope.first, envelope.offset
     tile = np.empty((3, 3))
@@ -271,7 +274,7 @@ def factorize_general(lower: FloatArray, upper: FloatArray, envelope: Envelope) 
 
 @compiled
 def substitute_general(lower: FloatArray, upper: FloatArray, envelope: Envelope, x: FloatArray) -> None:
-    """Solve with the factors of ``factorize_general``, in place: ``x`` holds the right side, then the solution."""
+    """Replace the right side ``x`` by the solution, with the factors of ``factorize_general``."""
     first, offset = envelope.first, envelope.offset
     n = len(first)
     for i in range(n):

@@ -1,8 +1,8 @@
 """Find the bodies of a snapshot that roll: bodies that touch only in points and lines.
 
-A rigid sphere on a floor has one contact point. If that point lies a billionth of the radius off the vertical through
-the centre, as in single precision, no force at the point balances the sphere. Therefore a moment may stay unbalanced
-for a rolling body (``Problem.slack``): its weight times ``NOISE`` times its size.
+A rigid sphere on a floor has one contact point. If rounding moves this point off the vertical through the centre, no
+force at the point balances the sphere. Therefore a moment of a rolling body may stay unbalanced: its weight times
+``NOISE`` times its size (``Problem.slack``).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ FACE_COSINE = 0.985
 
 @compiled
 def _has_area(point: FloatArray, rows: IntArray, tolerance: float) -> bool:
-    """Return True if the points of ``rows`` span more than a point or a line, to a ``tolerance`` [m]."""
+    """Return True if the points of ``rows`` span more than a point or a line, within a ``tolerance`` [m]."""
     first, longest = point[rows[0]], 0.0
     along = np.zeros(3)
     for row in rows:
@@ -45,7 +45,7 @@ def _mark_faces(
     normal: FloatArray,
     tolerance: FloatArray,
 ) -> BoolArray:
-    """Mark the contacts that belong to a face with an area, shape (m,).
+    """Return the mask of the contacts that belong to a face with an area, shape (m,).
 
     Args:
         order: the contacts, sorted by pair, shape (m,).
@@ -88,7 +88,7 @@ def rolling_bodies(
         index_b: second bodies, shape (m,).
         point: contact points [m], shape (m, 3).
         normal: unit normals from a to b, shape (m, 3).
-        size: size of each body [m], and of the ground, which is infinite, shape (n + 1,).
+        size: size of each body [m], then the size of the ground, infinity, shape (n + 1,).
     """
     tolerance = NOISE * np.minimum(size[index_a], size[index_b])
     point, normal = np.ascontiguousarray(point, np.float64), np.ascontiguousarray(normal, np.float64)

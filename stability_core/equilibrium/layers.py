@@ -1,15 +1,17 @@
 """Load a stack from zero prestress, layer by layer from the top down.
 
 ``loading`` displaces all bodies at once and factorises one matrix of all bodies. This module loads one cluster of
-bodies after another; the cost is the sum over the clusters. Bodies that touch sideways form one cluster, because each
-may hold the other. The supports of a cluster do not give way, and the contact forces of the cluster are loads of the
-clusters below.
+bodies after another, at the sum of the clusters' costs. Bodies that touch sideways form a cluster, because they may
+hold each other. The supports of a cluster do not give way. The contact forces of the cluster are loads of the clusters
+below.
 
-Proof: if every cluster is held, the forces of all clusters lie in the Coulomb cones, balance all loads, and arise
-without prestress, as if the contacts of lower layers were far stiffer than those of higher layers. If a cluster is not
-held, a body that lies on it may hold it, such as a counterweight. The module then joins the cluster with the clusters
-on it, as long as there are few bodies. If the cluster is not held then either, its bodies are loose, and the clusters
-below bear the forces of a known equilibrium in place of its forces.
+Proof: if contacts hold every cluster, the forces of all clusters lie in the Coulomb cones, balance all loads, and arise
+without prestress. The contacts of lower layers behave as if they were far stiffer than the contacts of higher layers.
+
+If contacts do not hold a cluster, a body on the cluster may hold it, for example a counterweight. The module then joins
+the cluster with the clusters on it, as long as there are few bodies. If contacts do not hold the joined cluster either,
+the bodies of the first cluster are loose. The clusters below then bear the forces of a known equilibrium in place of
+the forces of the loose bodies.
 """
 
 from __future__ import annotations
@@ -41,7 +43,7 @@ body would hang on the bodies above it."""
 
 
 class Layers(NamedTuple):
-    """The order in which the clusters of a problem are loaded."""
+    """The clusters of a problem, in layers: the upper and the lower body of each contact."""
 
     cluster: IntArray
     """Cluster of each body: the least index of its bodies, shape (n,)."""
@@ -53,7 +55,7 @@ class Layers(NamedTuple):
 
 @compiled
 def _clusters(problem: Problem) -> IntArray:
-    """Return the cluster of each body, shape (n,): sideways contacts join bodies."""
+    """Return the cluster of each body, shape (n,); sideways contacts join bodies."""
     label = np.arange(len(problem.load))
     grows = True
     while grows:
@@ -77,7 +79,7 @@ def _layers_of(problem: Problem) -> Layers:
 
 @compiled
 def _grouped(label: IntArray, n: int) -> tuple[IntArray, IntArray]:
-    """Sort by label: return the start of each label's items in a list, shape (n + 1,), and the list of all items."""
+    """Sort items by ``label``; return the start of each label's items in a list, shape (n + 1,), and the list."""
     start = np.zeros(n + 1, np.int64)
     for i in range(len(label)):
         start[label[i] + 1] += 1
@@ -92,7 +94,7 @@ def _grouped(label: IntArray, n: int) -> tuple[IntArray, IntArray]:
 
 @compiled
 def _owners(layers: Layers) -> IntArray:
-    """Return the cluster with which each contact is loaded, shape (m,): the upper one, else that of the free body."""
+    """Return the cluster of each contact, shape (m,): that of the upper body, or of the only free body."""
     owner = np.empty(len(layers.upper), np.int64)
     for c in range(len(owner)):
         body = layers.upper[c] if layers.upper[c] >= 0 else layers.lower[c]  # without an upper body: wall or ceiling
@@ -102,7 +104,7 @@ def _owners(layers: Layers) -> IntArray:
 
 @compiled
 def _contacts_above(layers: Layers) -> IntArray:
-    """Return the number of contacts with which other clusters lie on each cluster, shape (n,)."""
+    """Return the number of contacts of other clusters that lie on each cluster, shape (n,)."""
     number = np.zeros(len(layers.cluster), np.int64)
     for c in range(len(layers.upper)):
         upper, lower = layers.upper[c], layers.lower[c]
@@ -113,9 +115,9 @@ def _contacts_above(layers: Layers) -> IntArray:
 
 @compiled
 def _part(problem: Problem, members: IntArray, mine: IntArray, index: IntArray) -> Problem:
-    """Return the problem of the ``members`` (k,) with the contacts ``mine`` (j,), all other bodies fixed.
+    """Return the problem of the ``members`` (k,) with the contacts ``mine`` (j,); all other bodies are fixed.
 
-    ``index`` (n,) holds -1 for every body, before and after.
+    ``index`` (n,) holds -1 for every body before and after the call.
     """
     j = len(mine)
     for i in range(len(members)):
@@ -152,7 +154,7 @@ def _weighs_enough(own: FloatArray, load: FloatArray, members: IntArray) -> bool
 
 @compiled
 def _load(part: Problem, members: IntArray, load: FloatArray, force: FloatArray) -> bool:
-    """Load one cluster for each of ``STIFFNESSES``; return True if it is held each time.
+    """Load one cluster for each of ``STIFFNESSES``; return True if contacts hold the cluster each time.
 
     Args:
         part: the problem of the cluster, k bodies and j contacts.
@@ -203,7 +205,8 @@ def _press(
 ) -> int:
     """Add the forces (3, j, 3) of the contacts ``mine`` to the loads (3, n, 6) of the clusters below.
 
-    Write the clusters that now have all their loads to ``ready``, which holds ``size`` clusters; return the new number.
+    The function also adds the clusters that now have all their loads to the ``size`` clusters in ``ready``. Return the
+    new number of clusters in ``ready``.
     """
     for at in range(len(mine)):
         c = mine[at]
@@ -224,14 +227,14 @@ def _press(
 
 @compiled
 def _sweep(problem: Problem, layers: Layers, known: FloatArray, loose: BoolArray, waits_for: IntArray) -> int:
-    """Load the clusters from the top down; return ALL_HELD, the first cluster that is not held, or CYCLE.
+    """Load the clusters from the top down; return ALL_HELD, CYCLE, or the first cluster that contacts do not hold.
 
     Args:
         problem: n bodies and m contacts.
         layers: the clusters.
         known: forces with which loose bodies press, shape (m, 3).
         loose: mask of the loose bodies, shape (n,).
-        waits_for: output, number of contacts above each cluster whose forces are not known, shape (n,).
+        waits_for: output, number of contacts above each cluster with unknown forces, shape (n,).
     """
     n = len(problem.load)
     cluster, index = layers.cluster, np.full(n, -1, np.int64)
@@ -263,7 +266,7 @@ def _sweep(problem: Problem, layers: Layers, known: FloatArray, loose: BoolArray
 
 @compiled
 def _join(layers: Layers, root: int) -> bool:
-    """Join a cluster with the clusters that lie on it; return False if there are none, or too many bodies."""
+    """Join a cluster with the clusters on it; return False if there are no clusters on it, or too many bodies."""
     cluster = layers.cluster
     joined = cluster.copy()
     for c in range(len(layers.upper)):
@@ -281,9 +284,10 @@ def _join(layers: Layers, root: int) -> bool:
 
 @compiled
 def _join_cycle(layers: Layers, waits_for: IntArray) -> int:
-    """Join the clusters of a cycle, each of which lies on the next; return the joined cluster.
+    """Join the clusters of a cycle, in which each cluster lies on the next cluster; return the joined cluster.
 
-    The walk goes from a cluster that still waits to a cluster on it that still waits, until it meets itself.
+    A walk finds the cycle: from a cluster that still waits to a cluster on it that still waits, until the walk meets
+    itself.
     """
     cluster = layers.cluster
     seen = np.zeros(len(cluster), np.int64)  # number of the step at which the walk met a cluster
@@ -311,7 +315,7 @@ def _join_cycle(layers: Layers, waits_for: IntArray) -> int:
 
 @compiled
 def loose_in_layers(problem: Problem, force: FloatArray) -> BoolArray:
-    """Return the mask of the bodies that loading layer by layer does not hold, for any of ``STIFFNESSES``, shape (n,).
+    """Return the mask of the bodies that loading in layers fails to hold for at least one of ``STIFFNESSES``, (n,).
 
     Args:
         problem: n bodies, each with a weight, and m contacts.

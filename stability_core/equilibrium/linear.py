@@ -1,4 +1,4 @@
-"""One Newton step: the generalised Hessian of |P_K(z)|^2 / 2 + rho |y|^2 / 2 at z, and its line search."""
+"""One Newton step: the generalised Hessian of |P_K(z)|^2 / 2 + rho |y|^2 / 2 at a point z, and the line search."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from stability_core.port import FloatArray, IntArray
 
 
 class Workspace(NamedTuple):
-    """Arrays shared by the steps of one problem."""
+    """The arrays that all steps of a problem share."""
 
     rows: IntArray
     """Components of force and moment that may be nonzero, shape (k,)."""
@@ -36,7 +36,7 @@ class Workspace(NamedTuple):
 
 @compiled
 def workspace_for(problem: Problem, rows: IntArray) -> Workspace:
-    """Return the workspace of one problem; the number of ``rows`` must be a multiple of three.
+    """Return the workspace of a problem; the number of ``rows`` must be a multiple of three.
 
     The cost is O(n + m), and the time to allocate the envelope.
     """
@@ -58,7 +58,7 @@ def workspace_for(problem: Problem, rows: IntArray) -> Workspace:
 
 @compiled
 def _wrench(direction: FloatArray, lever: FloatArray, sign: float, rows: IntArray, wrench: FloatArray) -> None:
-    """Write the ``rows`` of the force and moment that a unit force in ``direction`` exerts at ``lever``."""
+    """Write the ``rows`` of the force and the moment of a unit force in ``direction`` at ``lever``."""
     for k in range(len(rows)):
         row = rows[k]
         if row < 3:
@@ -72,7 +72,7 @@ def _wrench(direction: FloatArray, lever: FloatArray, sign: float, rows: IntArra
 def _add_product(
     matrix: FloatArray, offset: IntArray, i: int, j: int, weight: float, left: FloatArray, right: FloatArray
 ) -> None:
-    """Add weight left right^T to the block of the bodies in places i >= j; only to the lower half if i = j."""
+    """Add weight left right^T to the block of the bodies in places i >= j; add only to the lower half if i = j."""
     width = len(left)
     for k in range(width):
         start = offset[i * width + k] + j * width
@@ -117,7 +117,7 @@ def factorize_at(problem: Problem, space: Workspace, rho: float) -> None:
 
 @compiled
 def solve_for(problem: Problem, space: Workspace, right: FloatArray) -> None:
-    """Solve for a right side (n, 6) with the latest factor; write ``space.dy`` and ``space.dz``."""
+    """Write the solution for a right side (n, 6) to ``space.dy`` and ``space.dz``, with the latest factor."""
     rows, place, step, dy = space.rows, space.place, space.step, space.dy
     width = len(rows)
     for i in range(len(right)):
@@ -147,10 +147,10 @@ def _slope(problem: Problem, z: FloatArray, dz: FloatArray, t: float, work: Floa
 def step_length(
     problem: Problem, space: Workspace, rho: float, y: FloatArray, center: FloatArray, force: FloatArray
 ) -> float:
-    """Return the step length from ``y`` along dy: 1 unless this step overshoots, else a length with nearly zero slope.
+    """Return the step length from ``y`` along dy: 1, or a length with nearly zero slope if the full step overshoots.
 
-    The minimised function is |P_K(z)|^2 / 2 - w . y + rho |y - center|^2 / 2; its slope along the line rises with t.
-    The function overwrites ``force``.
+    The search minimises |P_K(z)|^2 / 2 - w . y + rho |y - center|^2 / 2, whose slope along the line rises with the
+    length. The function overwrites ``force``.
     """
     z, dz, dy, work = space.z, space.dz, space.dy, space.trial
     constant, linear = 0.0, 0.0

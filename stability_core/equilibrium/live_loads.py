@@ -1,9 +1,8 @@
-"""Loads of live bodies on the stack; live bodies are not bodies of the problem.
+"""Loads of live bodies on the stack, because live bodies are not bodies of the statics problem.
 
-The module solves all live bodies on a part of the stack together, with the stack below as rigid as the ground, whether
-the live bodies stand or fall. Their loads are the contact forces that hold the live bodies. If no forces hold a body,
-its load consists of the forces that come nearest: a toppling brick presses at the point about which it turns, with at
-most its weight.
+The module solves all live bodies on a part of the stack together, whether they stand or fall. The stack below counts as
+rigid, like the ground. The loads are the contact forces that hold the live bodies. If no forces hold a body, its load
+is the nearest forces: a toppling brick presses, with at most its weight, at the point about which the brick turns.
 """
 
 from __future__ import annotations
@@ -85,7 +84,7 @@ def carriers(graph: Graph, ids: IntArray) -> IntArray:
 
 @compiled
 def is_upright(graph: Graph, live: IntArray) -> bool:
-    """Return True if all ``live`` bodies (k,) have load-bearing contacts only, so that they press straight down."""
+    """Return True if all ``live`` bodies (k,) press straight down, because all their contacts are load-bearing."""
     for body in live:
         at = graph.bodies[body].first_support
         while at != NONE:
@@ -149,7 +148,7 @@ def live_load(
 
 @compiled
 def contact_load(graph: Graph, buffers: FrameBuffers, part: Part, limits: Limits, everything: bool) -> FloatArray:
-    """Return mean contact force [N] and moment [N, over the body's size] on each body of ``part``, shape (n, 6).
+    """Return the mean contact force [N] and moment [N, over the body's size] on each body of ``part``, shape (n, 6).
 
     The cost is O(contacts of the latest dwell frames).
 
@@ -158,7 +157,7 @@ def contact_load(graph: Graph, buffers: FrameBuffers, part: Part, limits: Limits
         buffers: the dwell frames, with contact forces if the engine reports them.
         part: the part of the stack on which the live bodies press.
         limits: the settings, shape (1,).
-        everything: True to count all live bodies, False for pushes only (see ``pushes``).
+        everything: True to count the forces of all live bodies, False to count pushes only (see ``pushes``).
     """
     pushed = np.zeros((len(part.ids), 6))
     index = np.full(len(graph.bodies), -1)

@@ -1,31 +1,33 @@
 """Load a stack from zero prestress, to see whether contact forces that could hold the bodies arise by themselves.
 
-Forces inside the Coulomb cones may be a self-stress that nothing supplies: two walls "could" hold a brick between them
-if something pressed them together. So every contact gets a compliance, all loads grow from zero, and the bodies move
-until the contacts hold them. With closed gaps the problem is homogeneous of degree 1, so that one solution gives the
-whole path of proportional loads:
+Forces inside the Coulomb cones may be a self-stress that nothing supplies: two walls could hold a brick between them
+only if something pressed the walls together. Therefore every contact gets a compliance, all loads grow from zero, and
+the bodies move until the contacts hold them. One solution gives the whole path of proportional loads, because with
+closed gaps the problem is homogeneous of degree 1:
 
     M u / kappa = w + A f(u)                       u (n, 6): displacements, w: loads, A f: wrenches of the contacts
     v = A^T u                                      relative displacement at a contact, v_n along its normal
     f_n = max(0, -v_n - NORMAL_NOISE |v_t|)        pressed as the contact closes
     f_t = Proj_{|f_t| <= mu f_n} (-r v_t)          r: tangential over normal stiffness
 
-M u / kappa is the unbalanced rest: u / kappa is the remaining acceleration [g]. If a body stands, u tends to a limit as
-kappa grows; if it falls, u grows in proportion to kappa. The sensitivity decides between these cases for each body:
+M contains the weights, and M u / kappa is the unbalanced rest: u / kappa is the remaining acceleration [g]. As kappa
+grows, u tends to a limit for a body that stands, and grows in proportion to kappa for a body that falls. The
+sensitivity decides between both cases for each body:
 
-    d u / d ln kappa = (A C A^T + M / kappa)^-1 M u / kappa        C: tangent of the contact law,
+    d u / d ln kappa = (A C A^T + M / kappa)^-1 M u / kappa        C: tangent of the contact law
 
-The sensitivity is u itself for a body that falls, and u times (compliance / kappa) for a body that stands. The two
-cases differ by powers of ten. The bodies need no prestress if the sensitivity is small for each tangential stiffness of
+The sensitivity is u itself for a body that falls, and u times (compliance / kappa) for a body that stands. Both cases
+differ by powers of ten. The bodies need no prestress if the sensitivity is small for each tangential stiffness of
 ``STIFFNESSES``.
 
-The term NORMAL_NOISE |v_t| subtracts from each contact the closure that an error of its normal could cause: without it,
-a brick that slides along a neighbour's side would jam for one sign of the normal's rounding error, and fall for the
-other.
+The term NORMAL_NOISE |v_t| subtracts the closure that an error of the normal could cause. Without this term, a brick
+that slides along a neighbour's side would jam for one sign of the rounding error, and fall for the opposite sign.
 
-Proof and limits: f(u) lies in the Coulomb cones and balances the loads up to M u / kappa, so a stack that stands here
-has an equilibrium that arises monotonically from zero. The method examines one loading path (all loads in proportion)
-and three stiffnesses, and no other paths. The method refuses a body that only prestress holds (a hammered wedge).
+Proof: f(u) lies in the Coulomb cones and balances the loads up to M u / kappa. Therefore a stack that stands in this
+loading has an equilibrium that arises monotonically from zero.
+
+Limits: the method examines one loading path (all loads in proportion) and three stiffnesses. The method refuses a body
+that only prestress holds (a hammered wedge).
 
 References: J. S. Pang, J. Trinkle, "Stability characterizations of rigid body contact problems with Coulomb friction",
 ZAMM 80 (2000) 643-663, for the notion; G. T.-C. Kao et al., "Coupled rigid-block analysis", Computer-Aided Design 146
@@ -64,12 +66,10 @@ rows are longer, the long sequence costs 0.1 s and rarely decides more bodies. T
 
 @compiled
 def displace_step_by_step(case: Case, u: FloatArray, is_thorough: bool) -> FloatArray:
-    """Load at ``KAPPA`` from ``u``; if not all bodies are held, load from zero through smaller values of kappa.
+    """Load at ``KAPPA`` from ``u``; if contacts do not hold all bodies, load from zero through smaller values of kappa.
 
-    With ``is_thorough``, a long sequence of values follows where the short sequences fail.
-
-    Only the last sequence decides a fall, because a long step may end in a distant jam that holds fewer bodies than the
-    path from zero.
+    With ``is_thorough``, a long sequence of values follows if the short sequences fail. Only the last sequence decides
+    a fall, because a long step may end in a distant jam that holds fewer bodies than the path from zero.
 
     Returns:
         The ratio of each body's sensitivity to its displacement, or 1 for bodies that are not balanced, shape (n,).
@@ -101,12 +101,12 @@ def displace_step_by_step(case: Case, u: FloatArray, is_thorough: bool) -> Float
 
 @compiled
 def needs_prestress(problem: Problem, displacement: FloatArray) -> BoolArray:
-    """Return the mask of the bodies that contacts do not hold if all loads grow from zero, shape (n,).
+    """Return the mask (n,) of the bodies that contacts do not hold while all loads grow from zero.
 
     Args:
         problem: n bodies, each with a weight, that have an equilibrium.
-        displacement: start of the search for each of ``STIFFNESSES``, such as the solution of a similar problem, or
-            zero; overwritten by the solution, shape (3, n, 6).
+        displacement: start of the search for each of ``STIFFNESSES``, shape (3, n, 6): the solution of a similar
+            problem, or zero. The solution overwrites the start.
     """
     n = len(problem.load)
     unit = np.abs(problem.load[:, :3]).sum() / n

@@ -1,8 +1,8 @@
-"""The certificate: the contact forces that last held the stack, from which the next search starts.
+"""The certificate: the kept contact forces, which last held the stack, and from which the next search starts.
 
 After a change, a solve includes only the affected bodies, because the kept forces still hold all other bodies.
-``is_held`` checks this with the present patches. Forces that are out of date, or belong to another patch, fail the
-check, and the solve includes their bodies as well.
+``is_held`` checks the kept forces against the present patches. Forces that are out of date, or belong to another patch,
+fail the check, and the solve includes their bodies as well.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ the solve, because the core measures the sizes of bodies again after the solve."
 
 
 class Memory(NamedTuple):
-    """Kept forces, one row for each row of ``Graph.patches``."""
+    """Kept forces, a row for each row of ``Graph.patches``."""
 
     pair: IntArray
     """Upper body, lower body and kind of the patch to which the forces belong, shape (n, 3)."""
@@ -47,21 +47,22 @@ def _is_of(graph: Graph, at: int, pair: IntArray) -> bool:
 
 @compiled
 def is_known(graph: Graph, memory: Memory, at: int) -> bool:
-    """Return True if the forces kept in row ``at`` belong to the present patch of that row."""
+    """Return True if the kept forces of row ``at`` belong to the present patch of this row."""
     return _is_of(graph, at, memory.pair[at])
 
 
 @compiled
 def carries(memory: Memory, at: int) -> bool:
-    """Return True if any force is kept in row ``at``."""
+    """Return True if a kept force of row ``at`` is not zero."""
     return bool(memory.force[at].any())
 
 
 @compiled
 def is_held(graph: Graph, memory: Memory, body: int, gravity: float) -> bool:
-    """Return True if the kept forces lie in the Coulomb cones of a frozen body's contacts and balance its weight.
+    """Return True if the kept forces hold a frozen body: O(patches of the body).
 
-    Only contacts with the ground and with frozen bodies count. O(patches of the body).
+    The forces must lie in the Coulomb cones of the body's contacts, and balance its weight. Only contacts with the
+    ground and with frozen bodies count.
     """
     bodies, patches = graph.bodies, graph.patches
     row = bodies[body]
@@ -101,7 +102,7 @@ def _is_in_cone(force: FloatArray, normal: FloatArray, friction: float) -> bool:
 
 @compiled
 def recall(graph: Graph, memory: Memory, patches: IntArray, contacts: int) -> FloatArray:
-    """Return the forces at all vertices of the ``patches`` (p,), in order, shape (contacts, 3); zeros if unknown."""
+    """Return the kept forces at all vertices of the ``patches`` (p,), shape (contacts, 3); zero if unknown."""
     force = np.zeros((contacts, 3))
     c = 0
     for at in patches:
@@ -125,15 +126,15 @@ def remember(graph: Graph, memory: Memory, patches: IntArray, force: FloatArray)
 
 @compiled
 def hand_on(graph: Graph, memory: Memory, patches: IntArray, bodies: IntArray) -> None:
-    """Copy the kept forces to the patches of ``bodies`` (k,) that have since been rebuilt in other rows.
+    """Copy the kept forces to the new rows of rebuilt patches of ``bodies`` (k,).
 
     The cost is O(p) per patch of the bodies.
 
     Args:
         graph: the stack.
-        memory: forces kept in the rows ``patches``.
+        memory: the kept forces, in the rows ``patches``.
         patches: the former rows, shape (p,).
-        bodies: the bodies whose patches may have been rebuilt.
+        bodies: the bodies of patches that may have new rows.
     """
     pair, force = memory.pair[patches], memory.force[patches]
     for body in bodies:

@@ -1,19 +1,22 @@
-"""Find contact forces that hold a set of bodies, or the motion in which they fall, by one semismooth Newton method.
+"""Find contact forces that hold a set of bodies, or the motion in which the bodies fall, by a semismooth Newton method.
 
 The search looks for forces f_c in their cones K_c with A f = w:
 
 A f     force and moment that the contacts exert on each body
-w       force and moment that they must exert, because of gravity
+w       force and moment that the contacts must exert, because of gravity
 f       = P_K(A^T y), the solution of least norm, where y minimises the convex function
 
 |P_K(A^T y)|^2 / 2 - w . y + rho |y - y'|^2 / 2.
 
-P_K is the projection onto the cones. The last term, about the latest y', makes the search a proximal point method,
-which also solves degenerate problems. If such forces exist, the rest r = w - A f = rho (y - y') tends to zero;
-otherwise it tends to the shortest vector between w and A K. That vector proves the fall: r . w > 0, while A^T r lies in
-the polar of K, so that with velocities -r gravity does work and no contact resists (Farkas). Before the limit, A^T r
-lies only nearly in the polar. The same method, with w = 0 and y' = r, then finds the nearest motion for which A^T r
-lies exactly in the polar.
+P_K is the projection onto the cones, and A K is the set of all A f with f in the cones. The last term, about the latest
+y', makes the search a proximal point method, which also solves degenerate problems.
+
+- If forces of this kind exist, the rest r = w - A f = rho (y - y') tends to zero.
+- If no such forces exist, r tends to the shortest vector between w and A K. This vector proves the fall (Farkas):
+  r . w > 0, while A^T r lies in the polar of K. With velocities -r gravity does work, and no contact resists.
+
+Before the limit, A^T r lies only nearly in the polar. The same method, with w = 0 and y' = r, then finds the nearest
+motion for which A^T r lies exactly in the polar.
 """
 
 from __future__ import annotations
@@ -59,7 +62,7 @@ stack takes 5 to 20 steps in all, unless it is at its limit of stability."""
 
 
 class Search(NamedTuple):
-    """State of a search, overwritten from step to step."""
+    """State of a search; each step overwrites the state."""
 
     center: FloatArray
     """The latest proximal point y', shape (n, 6)."""
@@ -75,7 +78,7 @@ class Search(NamedTuple):
 def _minimise(problem: Problem, space: Workspace, rho: float, steps: int, search: Search) -> None:
     """Move y to the minimum of |P_K(A^T y)|^2 / 2 - w . y + rho |y - center|^2 / 2.
 
-    The search takes at most ``steps`` steps, and ends early when the forces are balanced.
+    The search takes at most ``steps`` steps, and ends early when the forces balance the load.
     """
     center, y, force, rest = search.center, search.y, search.force, search.rest
     along_contacts(problem, y, space.z)
@@ -102,14 +105,14 @@ def _minimise(problem: Problem, space: Workspace, rho: float, steps: int, search
 
 @compiled
 def nearest_forces(problem: Problem, rows: IntArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return forces in the cones that hold the bodies, or as much of their load as contacts can, and the rest.
+    """Return forces in the cones that hold the bodies, or the nearest forces, and the unbalanced rest.
 
     The result proves nothing, because the search ends at an imbalance of ``ROUGHLY_BALANCED``.
 
     Args:
         problem: n bodies and m contacts.
         rows: as for ``solve``.
-        y: start of the search, shape (n, 6): zeros, or the result for a similar problem; overwritten.
+        y: start of the search, shape (n, 6): zeros, or the result for a similar problem. The function overwrites ``y``.
 
     Returns:
         The forces, shape (m, 3); the unbalanced rest, shape (n, 6).
@@ -135,8 +138,8 @@ def solve(problem: Problem, rows: IntArray, strongest: float) -> tuple[int, Floa
 
     Args:
         problem: n bodies and m contacts.
-        rows: components of force and moment that may be nonzero, shape (k,): all six, or [2, 3, 4] if every force is
-            vertical.
+        rows: components of force and moment that may differ from zero, shape (k,): all six, or [2, 3, 4] for vertical
+            forces.
         strongest: limit on the ratio of the greatest contact force to the weight of all bodies (see ``STRONGEST``).
 
     Returns:

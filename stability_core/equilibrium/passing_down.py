@@ -1,13 +1,13 @@
 """Pass vertical forces from the top down: each body passes its load to its supports.
 
-For stacks on load-bearing contacts, one sweep of O(contacts) finds an equilibrium, where a joint solve of all bodies
-from zero takes several factorisations. Of all forces below a body that balance it, the sweep takes the forces of least
-norm,
+For stacks on load-bearing contacts, one sweep of O(contacts) finds an equilibrium. A joint solve of all bodies from
+zero takes several factorisations. The sweep chooses the balancing forces f_c below each body, at x_c and y_c from the
+body's centre, with the least norm:
 
     minimise sum f_c^2,    sum f_c = W,    sum y_c f_c = M_x,    -sum x_c f_c = M_y,    f_c >= 0,
 
-where W and M are the force and the moment of the body's weight and of all loads from above. Where a body must press
-differently so that a body below it is held, such as a counterweight, the sweep fails and proves nothing.
+W and M are the force and the moment of the body's weight and of all loads from above. The sweep fails, and proves
+nothing, if a body such as a counterweight must press differently to hold a body below.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ ALONG_A_LINE = 1e-12
 
 @compiled
 def _solve_three(matrix: FloatArray, right: FloatArray) -> None:
-    """Solve a positive definite system of three rows; write the solution to ``right``, and overwrite ``matrix``."""
+    """Replace ``right`` (3,) by the solution of a positive definite system; overwrite ``matrix`` (3, 3)."""
     for j in range(3):
         for k in range(j):
             matrix[j, j] -= matrix[j, k] ** 2
@@ -67,7 +67,7 @@ def _add_least(row: FloatArray, missing: FloatArray, active: BoolArray, force: F
 def _share(row: FloatArray, wanted: FloatArray, force: FloatArray) -> None:
     """Write to ``force`` (k,) the least non-negative forces whose products with ``row`` (k, 3) sum to ``wanted`` (3,).
 
-    The function excludes contacts whose forces pull, the worst first, until no force pulls.
+    The function excludes contacts with pulling forces, the strongest pull first, until no force pulls.
     """
     active, missing = np.ones(len(row), np.bool_), np.empty(3)
     for _ in range(len(row)):
@@ -85,15 +85,15 @@ def _share(row: FloatArray, wanted: FloatArray, force: FloatArray) -> None:
 
 @compiled
 def _supports(problem: Problem) -> tuple[IntArray, IntArray, IntArray, IntArray]:
-    """Return the supports of each body, by contacts along the vertical.
+    """Return the contacts below each body, sorted by body.
 
     Returns:
         Four arrays:
 
         - upper body of each contact, negative for a fixed body, shape (m,);
         - lower body of each contact, negative for a fixed body, shape (m,);
-        - start of each body's list of contacts below the body, shape (n + 1,);
-        - all these lists, one after the other.
+        - start of each body's contacts in the list, shape (n + 1,);
+        - the list: the contacts below each body, one body after the other.
     """
     n, m = len(problem.load), len(problem.normal)
     upper, lower = np.empty(m, np.int64), np.empty(m, np.int64)
@@ -115,7 +115,7 @@ def _supports(problem: Problem) -> tuple[IntArray, IntArray, IntArray, IntArray]
 
 @compiled
 def _bear(problem: Problem, body: int, mine: IntArray, load: FloatArray, force: FloatArray) -> None:
-    """Write the ``force``s (m, 3) with which the contacts ``mine`` (k,) below a ``body`` bear its ``load`` (n, 6)."""
+    """Write the forces of the contacts ``mine`` (k,) below a ``body``, which bear its load, to ``force`` (m, 3)."""
     row, share, wanted = np.empty((len(mine), 3)), np.empty(len(mine)), np.empty(3)
     for at in range(len(mine)):
         c = mine[at]
@@ -129,7 +129,7 @@ def _bear(problem: Problem, body: int, mine: IntArray, load: FloatArray, force: 
 
 @compiled
 def pass_down(problem: Problem) -> tuple[bool, FloatArray, FloatArray, float]:
-    """Try to hold all bodies by vertical forces, from the top down: O(m).
+    """Try to balance all bodies by vertical forces, from the top down: O(m).
 
     Args:
         problem: n bodies and m contacts, whose normals are all vertical.

@@ -1,6 +1,6 @@
-"""Dimensionless bodies and contacts, and the proofs that they stand or fall.
+"""Dimensionless bodies and contacts, and the checks of the proofs that bodies stand or fall.
 
-The module checks both proofs by recomputation, independently of the search for the forces or the motion.
+The checks recompute both proofs, independently of the search for the forces or the motion.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ BALANCED = 1e-9
 
 
 class Problem(NamedTuple):
-    """Bodies, by their index from 0, and the contacts between them."""
+    """Bodies, numbered from 0, and the contacts between the bodies."""
 
     body_a: IntArray
     """First body of each contact, negative if it is fixed, shape (m,)."""
@@ -42,7 +42,7 @@ class Problem(NamedTuple):
 
 @compiled
 def along_contacts(problem: Problem, motion: FloatArray, velocity: FloatArray) -> None:
-    """Write A^T y: the relative velocity (m, 3) of b against a at each contact, under a ``motion`` (n, 6)."""
+    """Write A^T y for a ``motion`` y (n, 6): the relative ``velocity`` (m, 3) of b against a at each contact."""
     for c in range(len(velocity)):
         velocity[c] = 0.0
         for sign, body, lever in (
@@ -70,7 +70,7 @@ def add_wrench(load: FloatArray, sign: float, force: FloatArray, lever: FloatArr
 
 @compiled
 def imbalance(problem: Problem, force: FloatArray, rest: FloatArray) -> None:
-    """Write the rest w - A f, (n, 6): the part of each body's load that the contact forces (m, 3) leave unbalanced."""
+    """Write w - A f, each body's load w minus the action A f of the contact forces f (m, 3), to ``rest`` (n, 6)."""
     rest[:] = problem.load
     for c in range(len(force)):
         f = force[c]
@@ -84,7 +84,7 @@ def imbalance(problem: Problem, force: FloatArray, rest: FloatArray) -> None:
 
 @compiled
 def greatest_imbalance(problem: Problem, force: FloatArray, rest: FloatArray) -> float:
-    """Return the largest imbalance of a body, over the largest force on it; infinite if a value is not finite."""
+    """Return the greatest imbalance of a body, over the largest force on it; infinite unless all values are finite."""
     largest = np.zeros(len(rest))
     for i in range(len(rest)):
         for k in range(6):
@@ -109,8 +109,11 @@ def greatest_imbalance(problem: Problem, force: FloatArray, rest: FloatArray) ->
 def weakest_equilibrium(problem: Problem, ray: FloatArray, work: FloatArray, force: FloatArray) -> float:
     """Return a lower bound on the greatest force of any equilibrium, over the total weight; infinite for a Farkas ray.
 
-    Any f with A f = w has r . w = sum f_c . (A^T r)_c <= max |f_c| sum |P_K (A^T r)_c|. The function subtracts from
-    r . w the part of w that may stay unbalanced.
+    Any forces f in the cones with A f = w, and any ``ray`` r, satisfy
+
+        r . w = sum f_c . (A^T r)_c <= max |f_c| sum |P_K (A^T r)_c|
+
+    From r . w the function subtracts the part of w that may stay unbalanced.
     """
     along_contacts(problem, ray, work)
     project(work, problem.normal, problem.friction, force)
@@ -129,9 +132,9 @@ def weakest_equilibrium(problem: Problem, ray: FloatArray, work: FloatArray, for
 
 @compiled
 def islands(problem: Problem) -> IntArray:
-    """Return the label of each body's island, shape (n,): contacts join bodies to islands, the ground does not.
+    """Return the label of each body's island, shape (n,); contacts between bodies join bodies to islands.
 
-    Each sweep over the contacts, back and forth until nothing changes, is O(m).
+    The function sweeps over the contacts, back and forth, until nothing changes. A sweep costs O(m).
     """
     label = np.arange(len(problem.load))
     grows = True
@@ -148,7 +151,7 @@ def islands(problem: Problem) -> IntArray:
 
 
 def with_neighbours(problem: Problem, bodies: BoolArray) -> BoolArray:
-    """Return the mask (n,) of the ``bodies`` and of all bodies that they touch; ``bodies`` is a mask (n,)."""
+    """Return the mask (n,) of the ``bodies`` and of all bodies in contact with them; ``bodies`` is a mask (n,)."""
     among = np.append(bodies, False)  # the last row is the ground's
     touching = among[problem.body_a] | among[problem.body_b]
     among[problem.body_a[touching]] = among[problem.body_b[touching]] = True
@@ -156,10 +159,10 @@ def with_neighbours(problem: Problem, bodies: BoolArray) -> BoolArray:
 
 
 def held_by_the_rest(problem: Problem, moves: BoolArray) -> tuple[Problem, BoolArray]:
-    """Return the problem in which only the bodies of the mask ``moves`` (n,) are free, and its mask of contacts, (m,).
+    """Return the problem in which only the bodies of the mask ``moves`` (n,) are free.
 
-    Bodies that fall in this problem fall in the whole problem as well, because fixed bodies withstand more than free
-    bodies.
+    Also return the mask (m,) of the contacts of this problem. Bodies that fall in this problem fall in the whole
+    problem as well, because fixed bodies withstand more than free bodies.
     """
     index = np.full(len(moves) + 1, -1)  # the last row is the ground's
     index[:-1][moves] = np.arange(np.count_nonzero(moves))
@@ -178,9 +181,9 @@ def held_by_the_rest(problem: Problem, moves: BoolArray) -> tuple[Problem, BoolA
 
 
 def relieved_of(problem: Problem, gone: BoolArray, force: FloatArray) -> tuple[Problem, BoolArray]:
-    """Return the problem without the bodies of the mask ``gone`` (n,), whose contact forces (m, 3) stay as loads.
+    """Return the problem without the bodies of the mask ``gone`` (n,); their contact forces (m, 3) stay as loads.
 
-    Also return the mask of the remaining contacts, (m,).
+    Also return the mask (m,) of the remaining contacts.
     """
     stays = np.append(~gone, True)  # the last row is the ground's
     index = np.cumsum(stays) - 1

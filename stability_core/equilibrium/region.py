@@ -1,14 +1,14 @@
-"""Safe regions: where a body may be loaded without examining the stack below it.
+"""Safe regions: the part U of a body that may bear a load, because the stack below bears this load too.
 
 U(contact with the ground) is the whole contact patch. U(body) is the convex hull of the body's patches on its supports,
 each patch cut with U(support). Proof by induction from the ground up:
 
-- A weight at a point of U(body) is split among points of the patches that lie in the supports' own U, as vertical
-  forces, which load-bearing contacts can bear.
+- Vertical forces at points of the patches, inside the supports' own U, balance a weight at a point of U(body).
+  Load-bearing contacts can bear these forces.
 - The supports pass on each of these forces in the same way, down to the ground.
 - The sum of these forces and the forces of any equilibrium lies in the Coulomb cones, because the cones are convex.
 
-Therefore a stack that stood before also stands with the weight, and no computation of forces is needed.
+Therefore a stack that stood before also stands with the weight.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ Regions: TypeAlias = Any
 
 
 def regions_for(bodies: int, known: Regions) -> Regions:
-    """Return a table with rows for ``bodies`` that keeps the ``known`` rows."""
+    """Return a table with a row for each of ``bodies`` bodies that keeps the ``known`` rows."""
     fresh = np.zeros(bodies, REGION)
     fresh[: len(known)] = known
     return fresh
@@ -69,7 +69,7 @@ def regions_for(bodies: int, known: Regions) -> Regions:
 
 @compiled
 def cut(subject: FloatArray, by: FloatArray) -> FloatArray:
-    """Return the intersection of two convex polygons (k, 3) in plan, counter-clockwise (Sutherland and Hodgman)."""
+    """Return the intersection (k, 3) of two convex polygons in plan, counter-clockwise (Sutherland and Hodgman)."""
     room = len(subject) + len(by)  # each side of a convex polygon adds one vertex at most
     shape, kept = np.empty((room, 3)), np.empty((room, 3))
     shape[: len(subject)] = subject
@@ -96,7 +96,7 @@ def cut(subject: FloatArray, by: FloatArray) -> FloatArray:
 
 @compiled
 def known_region(regions: Regions, body: int) -> FloatArray:
-    """Return U of a frozen body, shape (k, 3); empty if no region is known."""
+    """Return U of a frozen body, shape (k, 3); empty for an unknown region."""
     row = regions[body]
     region: FloatArray = row.vertex[: row.vertices]
     return region
@@ -129,7 +129,7 @@ def region_of(graph: Graph, regions: Regions, body: int) -> FloatArray:
 
 @compiled
 def _trait(patch: Patches, other: int, factor: int) -> int:
-    """Return a hash of a neighbour's id, the kind of its contact and the normal; ``factor`` multiplies the id."""
+    """Return a hash of a neighbour's id times ``factor``, and of the contact's kind and normal."""
     total = (other + 2) * factor + patch.kind
     for k in range(3):
         total = total * 31 + int(np.rint(patch.normal[k] / SAME_NORMAL))
@@ -138,7 +138,7 @@ def _trait(patch: Patches, other: int, factor: int) -> int:
 
 @compiled
 def _id_of(bodies: Bodies, body: int) -> int:
-    """Return the id of a body, which is unique, while its row may be reused."""
+    """Return the id of a body; a row may belong to a new body later, but an id is unique."""
     return int(GROUND) if body == GROUND else int(bodies[body].id)
 
 
@@ -146,7 +146,7 @@ def _id_of(bodies: Bodies, body: int) -> int:
 def fingerprint(graph: Graph, body: int) -> int:
     """Return a number that depends on the mass and the contacts of ``body``, but not on the order of the contacts.
 
-    Contacts with the ground and with frozen bodies count, with their normals; for a body in doubt, contacts with live
+    Contacts with the ground and with frozen bodies count, with their normals. For a body in doubt, contacts with live
     bodies count as well, because any change unfreezes a body in doubt.
     """
     bodies, patches = graph.bodies, graph.patches
@@ -170,25 +170,21 @@ def fingerprint(graph: Graph, body: int) -> int:
 
 @compiled
 def is_unchanged(graph: Graph, regions: Regions, body: int) -> bool:
-    """Return True if the surroundings of ``body`` are unchanged since it was proven to stand, or frozen in doubt."""
+    """Return True if the surroundings of ``body`` are the same as in its latest record."""
     return bool(fingerprint(graph, body) == regions[body].links)
 
 
 @compiled
 def is_proven(graph: Graph, regions: Regions, body: int) -> bool:
-    """Return True if ``body`` has the same mass and frozen contacts as when it was proven to stand.
-
-    The result is False for a body that was frozen in doubt.
-    """
+    """Return True if ``body`` has the mass and the frozen contacts of its latest proof; False for a body in doubt."""
     return bool(graph.bodies[body].doubt == PROVEN and is_unchanged(graph, regions, body))
 
 
 @compiled
 def note_doubts(graph: Graph, regions: Regions) -> None:
-    """Record the surroundings of the bodies just frozen in doubt: any later change unfreezes them.
+    """Record the surroundings of the bodies frozen in doubt in this frame: O(bodies that changed in this frame).
 
-    The bodies in doubt get no region, so a body placed on them needs a solve. The cost is O(bodies that changed in this
-    frame).
+    Any later change unfreezes these bodies. They get no region, so that a body on them needs a solve.
     """
     for body in graph.changed[1 : 1 + graph.changed[0]]:
         row = graph.bodies[body]
@@ -199,7 +195,7 @@ def note_doubts(graph: Graph, regions: Regions) -> None:
 
 @compiled
 def _supports_are_proven(graph: Graph, regions: Regions, body: int) -> bool:
-    """Return True if the proofs of all frozen bodies below still hold; the region of ``body`` builds on them."""
+    """Return True if the proofs of all frozen bodies below ``body`` still hold."""
     bodies, patches = graph.bodies, graph.patches
     at = bodies[body].first_support
     while at != NONE:
@@ -224,9 +220,9 @@ def is_safe(graph: Graph, regions: Regions, body: int, region: FloatArray) -> bo
 def topples_off(graph: Graph, regions: Regions, body: int, region: FloatArray) -> bool:
     """Return True if a body topples alone and the stack bears the toppling body's load.
 
-    The body turns about the border of its contact area and presses, with at most its weight, on the point of the border
-    nearest to its centre of mass. If that point lies in the ``region`` (k, 3), the supports bear the load. False means
-    unknown.
+    The body turns about the border of its contact area. The body presses, with at most its weight, on the point of the
+    border nearest to its centre of mass. If this point lies in the ``region`` (k, 3), the supports bear the load. False
+    means unknown.
     """
     support = support_polygon(graph, body)
     if not topples_alone(graph, body, support):
@@ -238,7 +234,7 @@ def topples_off(graph: Graph, regions: Regions, body: int, region: FloatArray) -
 
 @compiled
 def keep_proof(graph: Graph, regions: Regions, body: int, region: FloatArray) -> None:
-    """Record that ``body``, now frozen, stands, and that it may be loaded in its ``region`` (k, 3)."""
+    """Record that the frozen ``body`` stands, and may bear loads in its ``region`` (k, 3)."""
     graph.bodies[body].doubt = PROVEN
     row = regions[body]
     corners, size = row.vertex, min(len(region), MAX_VERTICES)  # fewer vertices make a smaller, equally safe region
@@ -250,7 +246,7 @@ def keep_proof(graph: Graph, regions: Regions, body: int, region: FloatArray) ->
 
 @compiled
 def keep_proof_of_neighbours(graph: Graph, regions: Regions, body: int) -> None:
-    """Record that the bodies below ``body`` stand with it."""
+    """Record that the proven bodies below ``body`` also stand with ``body``."""
     bodies, patches = graph.bodies, graph.patches
     at = bodies[body].first_support
     while at != NONE:
@@ -269,8 +265,8 @@ def topples_alone(graph: Graph, body: int, support: FloatArray) -> bool:
 
     Args:
         graph: the stack.
-        body: a body whose patches are built.
-        support: its combined contact area, shape (k, 3).
+        body: a body with present patches.
+        support: the combined contact area of the body, shape (k, 3).
     """
     row, patches = graph.bodies[body], graph.patches
     if row.first_load != NONE:

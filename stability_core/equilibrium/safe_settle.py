@@ -1,4 +1,4 @@
-"""Cheap proofs in compiled calls: freeze bodies in safe regions, refuse bodies that topple alone.
+"""Cheap proofs in compiled calls: freeze bodies in safe regions, and refuse bodies that topple alone.
 
 ``policies.equilibrium`` solves the remaining candidates.
 """
@@ -41,7 +41,7 @@ SAFE, LEFT, UNSOLVED = range(3)
 def _freeze_safely(graph: Graph, regions: Regions, candidates: IntArray) -> tuple[IntArray, IntArray]:
     """Freeze the ``candidates`` in safe regions, lowest first; return the frozen and the undecided bodies.
 
-    A body that topples alone is not undecided: it stays live.
+    A body that topples alone stays live, and does not count as undecided.
     """
     bodies = graph.bodies
     frozen, left = np.empty(len(candidates), np.int64), np.empty(len(candidates), np.int64)
@@ -67,7 +67,7 @@ def _freeze_safely(graph: Graph, regions: Regions, candidates: IntArray) -> tupl
 def _on_edge(graph: Graph, candidates: IntArray, flat_width: float) -> IntArray:
     """Return the live ``candidates`` that stand on an edge of at most ``flat_width`` [sizes], shape (k,).
 
-    These bodies may freeze while they still move slightly; a flat body waits until it is at rest.
+    Bodies on an edge may freeze while they still move slightly. A flat body waits until it is at rest.
     """
     bodies = graph.bodies
     found = np.empty(len(candidates), np.int64)
@@ -107,21 +107,24 @@ def _with_resting(graph: Graph, candidates: IntArray) -> IntArray:
 
 @compiled
 def keep_proofs(graph: Graph, regions: Regions, bodies: IntArray) -> None:
-    """Record that the ``bodies`` (k,), lowest first, stand together; regions build on the regions below."""
+    """Record that the ``bodies`` (k,) stand together.
+
+    The order is lowest first, because regions build on lower regions.
+    """
     for body in bodies:
         keep_proof(graph, regions, body, region_of(graph, regions, body))
 
 
 @compiled
 def _is_borne(graph: Graph, regions: Regions, body: int) -> bool:
-    """Return True if the stack is known to bear a live body that lies on it or topples off it."""
+    """Return True if a cheap proof shows that the stack bears a live body that lies on it or topples off it."""
     region = region_of(graph, regions, body)
     return is_safe(graph, regions, body, region) or topples_off(graph, regions, body, region)
 
 
 @compiled
 def _unproven(graph: Graph, regions: Regions, bodies: IntArray) -> IntArray:
-    """Return the ``bodies`` whose part of the stack must be solved again, shape (k,)."""
+    """Return the ``bodies`` without a valid proof, shape (k,): their part of the stack needs a new solve."""
     table = graph.bodies
     found = np.empty(len(bodies), np.int64)
     n = 0
@@ -138,10 +141,10 @@ def _unproven(graph: Graph, regions: Regions, bodies: IntArray) -> IntArray:
 
 @compiled
 def finish(graph: Graph, regions: Regions, buffers: FrameBuffers, limits: Limits, unsolved: IntArray) -> int:
-    """Finish the frame after the candidates are decided: O(1) per changed body.
+    """Finish the frame after the decision about all candidates: O(1) per changed body.
 
     Returns:
-        Number of bodies written to ``unsolved``: their part of the stack must be solved again.
+        Number of bodies written to ``unsolved``: their part of the stack needs a new solve.
     """
     lay_frozen(graph, buffers, limits)
     note_doubts(graph, regions)
@@ -163,7 +166,7 @@ def settle_safely(
     limits: Limits,
     found: IntArray,
 ) -> tuple[int, int, int]:
-    """Settle the frame by cheap proofs: completely, unless a candidate stays undecided.
+    """Settle the frame by cheap proofs; leave the end of the frame to the caller if a candidate stays undecided.
 
     The cost is O(1) per body on the worklist, independent of the number of frozen bodies. ADR-0002 gives the reason for
     the separate array arguments.
@@ -172,8 +175,8 @@ def settle_safely(
         Numbers of bodies written to the rows of ``found``, shape (3, bodies):
 
         - SAFE: frozen bodies;
-        - LEFT: candidates to be solved together;
-        - UNSOLVED: bodies whose part of the stack must be solved again, valid if no body is LEFT.
+        - LEFT: undecided candidates, which need a joint solve;
+        - UNSOLVED: bodies whose part of the stack needs a new solve; valid if no body is LEFT.
     """
     graph = Graph(bodies, patches, spare, changed)
     buffers = FrameBuffers(contacts, sizes, latest, clock, worklist)

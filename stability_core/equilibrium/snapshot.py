@@ -56,37 +56,37 @@ class Equilibrium:
 
     @property
     def stable(self) -> bool:
-        """True if stability is proven."""
+        """True if the verdict is ``stable``."""
         return self.verdict == "stable"
 
 
 def solve_equilibrium(contacts: Contacts, masses: Masses, gravity: Sequence[float] = (0.0, 0.0, -9.81)) -> Equilibrium:
     """Decide whether all bodies stay at rest.
 
-    Every row of ``contacts`` counts as touching, at any separation and velocity; leave out rows that do not touch. Only
+    Every row of ``contacts`` counts as touching, at any separation and velocity. Leave out rows that do not touch. Only
     the ground is fixed. The verdict does not depend on the scale of length, mass or gravity. For a body that touches
     only in points and lines, the contact points may be off by a millionth of its size (see ``faces``).
 
-    - "stable": contact forces in the Coulomb cones hold the bodies (``forces``), and such forces arise by themselves:
+    - "stable": contact forces in the Coulomb cones hold the bodies (``forces``), and arise by themselves. Either
       vertical forces on load-bearing contacts suffice, or loading from zero prestress comes to rest, with nine tenths
       of the friction as well (see ``loading``).
-    - "unstable": no contact forces hold the bodies; ``mechanism`` is the motion that proves it (see ``newton``). An
+    - "unstable": no contact forces hold the bodies. The motion ``mechanism`` is the proof (see ``newton``). An
       equilibrium that needs a force of more than a million times the weight of all bodies does not count.
-    - "doubt": forces exist but do not arise by themselves (two walls could hold a brick between them if something
-      pressed them together); or they arise with the full friction, but not with nine tenths of it; or no proof was
-      found.
+    - "doubt": forces exist but do not arise by themselves, or forces arise with the full friction but not with nine
+      tenths of the friction, or the search finds no proof. For example, two walls could hold a brick between them only
+      if something pressed the walls together.
 
     A step takes O(n) to O(n w^2) for n bodies in layers of w bodies. A decision takes 5 to 20 steps, or 10 to 60
     steps if the bodies need friction.
 
     Args:
-        contacts: the touching points; ``body_a`` and ``body_b`` are ``GROUND`` or listed in ``masses``.
-        masses: all bodies that must stand; ``removed`` has no effect.
+        contacts: the touching points. ``body_a`` and ``body_b`` are ``GROUND`` or occur in ``masses``.
+        masses: all bodies that must stand. ``removed`` has no effect.
         gravity: gravity vector [m/s2], in any direction.
 
     Raises:
-        ValueError: for malformed contacts or masses (the message names field and row), for normals that all point from
-            b to a, and for bad gravity.
+        ValueError: for malformed contacts or masses, for normals that all point from b to a, and for gravity that is
+            zero or not finite; the message names the field and the row.
     """
     index_a, index_b = _checked(contacts, masses)
     down = np.asarray(gravity, np.float64)
@@ -145,10 +145,10 @@ def _checked(contacts: Contacts, masses: Masses) -> tuple[IntArray, IntArray]:
 
 
 def _refuse_flipped(contacts: Contacts, masses: Masses, index_a: IntArray, index_b: IntArray, up: FloatArray) -> None:
-    """Check that not all normals point from b to a, as if the ground pushed the bodies down.
+    """Check that the normals do not point from b to a, as if the ground pushed all bodies down.
 
     Raises:
-        ValueError: naming the first such contact.
+        ValueError: if all contacts with the ground have such normals; the message names the first contact.
     """
     rows = np.flatnonzero((index_a < 0) | (index_b < 0))
     sign = np.where(index_a[rows] < 0, 1.0, -1.0)
@@ -160,7 +160,7 @@ def _refuse_flipped(contacts: Contacts, masses: Masses, index_a: IntArray, index
 
 
 def _sizes(contacts: Contacts, masses: Masses, index_a: IntArray, index_b: IntArray) -> FloatArray:
-    """Return the size of each body [m], its longest lever, and then of the ground, infinity, shape (n + 1,)."""
+    """Return each body's size [m], its longest lever, then the ground's size, infinity, shape (n + 1,)."""
     size = np.zeros(len(masses.body) + 1)
     for index in (index_a, index_b):
         moves = index >= 0
@@ -199,6 +199,6 @@ def _problem(
 
 
 def _is_level(problem: Problem) -> BoolArray:
-    """Return the mask of the load-bearing contacts, whose cones contain the vertical, shape (m,)."""
+    """Return the mask of the load-bearing contacts, shape (m,): their cones contain the vertical."""
     level: BoolArray = np.abs(problem.normal[:, 2]) >= 1.0 / np.sqrt(1.0 + problem.friction**2) - ROUNDING
     return level

@@ -1,9 +1,9 @@
-"""Decide stable, unstable or doubt: which of the two proofs exists, and whether the forces would arise.
+"""Decide the verdict stable, unstable or doubt: which of the two proofs exists, and whether the forces would arise.
 
-- unstable: no contact forces in the Coulomb cones hold the bodies; a mechanism proves it.
-- stable: such forces exist, and either vertical forces on load-bearing contacts suffice, or loading from zero prestress
-  comes to rest (see ``loading``).
-- doubt: such forces exist, but would not arise by themselves; or nothing was proven.
+- unstable: no contact forces in the Coulomb cones hold the bodies. A mechanism is the proof.
+- stable: contact forces in the cones hold the bodies. Either vertical forces on load-bearing contacts suffice, or
+  loading from zero prestress comes to rest (see ``loading``).
+- doubt: contact forces in the cones hold the bodies, but would not arise by themselves; or the search finds no proof.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ mechanism."""
 
 
 def takes_part(rest: FloatArray) -> BoolArray:
-    """Return the mask (n,) of the bodies that the ``rest`` (n, 6) of a search shows to move or to be unbalanced."""
+    """Return the mask (n,) of the bodies that move, or are not balanced, in the ``rest`` (n, 6) of a search."""
     unbalanced = np.abs(rest).max(axis=1, initial=0.0)
     moves: BoolArray = unbalanced > MOVES * unbalanced.max(initial=0.0)
     return moves
@@ -89,16 +89,17 @@ def decide(
         problem: n bodies and m contacts, z up.
         level: contacts whose cone contains the vertical, shape (m,).
         start: forces that nearly hold the bodies [N], shape (m, 3), or None.
-        changed: bodies that were added, moved, or lost a neighbour since the rest was found to stand, shape (n,); None
-            for all.
-        displacement: start of loading, shape (3, n, 6), overwritten; None for zero (see ``loading``).
+        changed: mask of the bodies that are new, have moved, or have lost a neighbour since the last proof, shape (n,);
+            None for all bodies.
+        displacement: start of loading, shape (3, n, 6); None for zero. Loading overwrites the start (see ``loading``).
 
     Returns:
         Four values:
 
         - the verdict;
-        - the forces that hold the bodies, or nearly hold them if they are "unstable", shape (m, 3); or None;
-        - a motion that is not zero for bodies that fall, or that loading does not hold (see ``takes_part``), (n, 6);
+        - the forces that hold the bodies, or nearly hold "unstable" bodies, shape (m, 3); None without forces;
+        - a motion, shape (n, 6), other than zero for bodies that fall or that loading does not hold (see
+          ``takes_part``);
         - the greatest imbalance of a body relative to the largest force on it.
     """
     if start is None:
@@ -132,7 +133,7 @@ def decide(
 def _passed_down(problem: Problem, level: BoolArray) -> Answer | None:
     """Return the proof that vertical forces on load-bearing contacts hold all bodies; None if the sweep fails.
 
-    Such forces arise by themselves, because each body presses on its supports.
+    Vertical forces arise by themselves, because each body presses on its supports.
     """
     if not _is_vertical(problem.load):
         return None
@@ -145,7 +146,7 @@ def _passed_down(problem: Problem, level: BoolArray) -> Answer | None:
 
 
 def _falls_with_neighbours(problem: Problem, changed: BoolArray) -> Answer | None:
-    """Return the proof that the ``changed`` bodies, (n,), fall with nearby bodies; None if no proof is found."""
+    """Return the proof that the ``changed`` bodies, a mask (n,), fall with nearby bodies; None without a proof."""
     moves = changed
     while True:
         more = with_neighbours(problem, moves)
@@ -158,7 +159,7 @@ def _falls_with_neighbours(problem: Problem, changed: BoolArray) -> Answer | Non
 
 
 def _falls_by_itself(problem: Problem, moves: BoolArray) -> Answer | None:
-    """Return the proof that bodies of the mask ``moves`` (n,) fall even if all other bodies are fixed, or None."""
+    """Return the proof that bodies of the mask ``moves`` (n,) fall if all other bodies are fixed; None without it."""
     if moves.all() or not moves.any():
         return None
     part, theirs = held_by_the_rest(problem, moves)
@@ -180,9 +181,9 @@ def _is_vertical(load: FloatArray) -> bool:
 
 
 def _decide_from_scratch(problem: Problem, level: BoolArray, displacement: FloatArray) -> Answer:
-    """Try vertical forces on load-bearing contacts first, then all forces in the cones, without a start.
+    """Search from zero: vertical forces on load-bearing contacts first, then all forces in the cones.
 
-    The first try costs an eighth of the second.
+    The first search costs an eighth of the second search.
     """
     held, force, rest, residual = _held_by_verticals(problem, level)
     if held:
@@ -200,9 +201,7 @@ def _decide_from_scratch(problem: Problem, level: BoolArray, displacement: Float
 def _held_within_slack(
     problem: Problem, force: FloatArray, rest: FloatArray, residual: float
 ) -> tuple[int, FloatArray, float]:
-    """Subtract the unbalanced rest from the moments of rolling bodies, as far as their slack allows.
-
-    The rest is the shortest vector to A K. The function subtracts only the moments of the rest.
+    """Subtract the moments of the unbalanced rest from the loads of rolling bodies, as far as their slack allows.
 
     Args:
         problem: a problem with rolling bodies.
@@ -235,9 +234,9 @@ def _held_within_slack(
 
 
 def _held_by_verticals(problem: Problem, level: BoolArray) -> tuple[bool, FloatArray, FloatArray, float]:
-    """Try to hold the bodies by vertical forces on load-bearing contacts.
+    """Search for vertical forces on load-bearing contacts that hold the bodies.
 
-    Such forces arise by themselves, because each body presses on its supports.
+    Vertical forces arise by themselves, because each body presses on its supports.
 
     Returns:
         Four values:
@@ -254,9 +253,9 @@ def _held_by_verticals(problem: Problem, level: BoolArray) -> tuple[bool, FloatA
 
 
 def _arising(problem: Problem, force: FloatArray, residual: float, displacement: FloatArray) -> Answer:
-    """Return "stable" if forces that hold the bodies, such as ``force`` (m, 3), arise by themselves, else "doubt".
+    """Return the answer for bodies that ``force`` (m, 3) holds: "stable" if loading holds all bodies, else "doubt".
 
-    The function decides each island on its own.
+    The function loads each island separately.
     """
     loose = np.zeros(len(problem.load), np.bool_)
     island_of = islands(problem)
@@ -273,10 +272,10 @@ def _arising(problem: Problem, force: FloatArray, residual: float, displacement:
 def _loose(island: Problem, force: FloatArray, displacement: FloatArray) -> BoolArray:
     """Return the mask of the bodies that loading does not hold, shape (n,).
 
-    Loading must hold all bodies with ``LESS_FRICTION`` of the friction. If no equilibrium exists with this friction, as
-    for an inverted V near its limit, the full friction decides. Loading layer by layer comes first, because its cost is
-    small. If it does not hold all bodies, loading all bodies at once may; if neither does, the mask with fewer bodies
-    counts.
+    Loading must hold all bodies with ``LESS_FRICTION`` of the friction. If no equilibrium exists with this friction,
+    for example for an inverted V near its limit, the full friction decides. Loading layer by layer comes first, because
+    its cost is small. If this loading does not hold all bodies, the function loads all bodies at once, and returns the
+    mask with fewer bodies.
     """
     less = island._replace(friction=LESS_FRICTION * island.friction)
     loose: BoolArray = loose_in_layers(less, force)
@@ -294,7 +293,7 @@ def _loose(island: Problem, force: FloatArray, displacement: FloatArray) -> Bool
 
 
 def _along(problem: Problem, kept: BoolArray, direction: FloatArray) -> Problem:
-    """Return the problem with the ``kept`` contacts alone, each with forces along one direction only."""
+    """Return the problem with only the ``kept`` contacts, a mask (m,), and only forces along ``direction`` (m, 3)."""
     return Problem(
         problem.body_a[kept],
         problem.body_b[kept],
@@ -308,7 +307,7 @@ def _along(problem: Problem, kept: BoolArray, direction: FloatArray) -> Problem:
 
 
 def _verticals(problem: Problem) -> FloatArray:
-    """Return a vertical unit vector for each contact, up or down as its normal points, shape (m, 3)."""
+    """Return a vertical unit vector for each contact, with the sign of its normal, shape (m, 3)."""
     vertical = np.zeros_like(problem.normal)
     vertical[:, 2] = np.where(problem.normal[:, 2] >= 0.0, 1.0, -1.0)
     return vertical

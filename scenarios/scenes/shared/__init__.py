@@ -1,1 +1,1 @@
-"""Code that several scenes share, and transforms of a whole scene that the registry applies."""
+"""Code that several scenes share, and the registry's transforms of a whole scene."""

@@ -1,4 +1,7 @@
-"""Read bricks and fixed bodies from the tables of a TOML file; errors name table, field and allowed values."""
+"""Read bricks and fixed bodies from the tables of a TOML file.
+
+Error messages name table, field and allowed values.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +40,11 @@ _UNIT = 1e-6
 
 
 def read_tables(content: Mapping[str, Any], name: str, *, least: int, most: int) -> list[Mapping[str, Any]]:
-    """Return the tables ``[[name]]``; require ``least`` to ``most`` tables."""
+    """Return the tables ``[[name]]`` of a file.
+
+    Raises:
+        ValueError: if the file has fewer than ``least`` or more than ``most`` of these tables.
+    """
     tables = content.get(name, [])
     is_list = isinstance(tables, list) and all(isinstance(table, dict) for table in tables)
     if not is_list or not least <= len(tables) <= most:
@@ -97,7 +104,7 @@ def _solid(name: str, table: Mapping[str, Any], fields: Sequence[str]) -> Brick:
 
 
 def _shaped(name: str, table: Mapping[str, Any], shape: str, position: Vector, turn: Quaternion) -> Brick:
-    """Return a body of the shape and the dimensions in a table, with a mass of 1 kg."""
+    """Return a body with the ``shape`` and the dimensions of a table, and a mass of 1 kg."""
     if shape == "box":
         length, width, height = read_numbers(f"{name}.size", table.get("size"), 3, _SMALLEST)
         return Brick((length, width, height), 1.0, position, turn)

@@ -36,7 +36,7 @@ class OwnContent:
 
 
 def set_down(bricks: Sequence[Brick], times: Sequence[float], fixed: Sequence[Brick]) -> list[Brick]:
-    """Return the bricks, each group shifted along z by at most ``SNAP`` so that it touches the bodies below."""
+    """Return the bricks, with each group shifted along z by at most ``SNAP`` onto the bodies below."""
     settled: list[Brick] = []
     for _, group in groupby(range(len(bricks)), key=times.__getitem__):
         coming = [bricks[index] for index in group]
@@ -47,9 +47,10 @@ def set_down(bricks: Sequence[Brick], times: Sequence[float], fixed: Sequence[Br
 
 
 def room_below(coming: Sequence[Brick], there: Sequence[Brick], fixed: Sequence[Brick]) -> float:
-    """Return the distance [m] that bricks can sink together until one meets a placed brick, a fixed body or the ground.
+    """Return the distance [m] by which the ``coming`` bricks can sink together.
 
-    The distance is negative if the bricks must rise.
+    The bricks sink until any of them meets a placed brick, a fixed body or the ground. The distance is negative if the
+    bricks must rise.
     """
     boxes = Boxes.of(coming)
     room = min(float(height_above_ground(boxes).min()), room_above_fixed(boxes, Boxes.of(fixed)))
@@ -61,11 +62,12 @@ def levelled(
 ) -> tuple[Brick, ...]:
     """Return the bricks, in the order of placement, with their levels.
 
-    A brick on the ground or a fixed body has level 1, and any other brick is one level above the highest brick that it
-    touches when it is placed.
+    A brick on the ground or on a fixed body has level 1. Every other brick is one level above the highest brick that it
+    touches at its placement.
 
     Raises:
-        ValueError: if two bricks overlap, or a brick touches nothing when it is placed.
+        ValueError: if two bricks overlap, or a brick touches nothing at its placement; the message names the brick and
+            the fix.
     """
     try:
         patches = contact_patches(bricks, fixed)

@@ -1,4 +1,4 @@
-"""Pedestals below the bricks of the lowest level, so that a brick without its pedestal falls far enough to be seen."""
+"""Pedestals below the bricks of the lowest level, so that a brick without its pedestal falls visibly."""
 
 from __future__ import annotations
 
@@ -12,18 +12,19 @@ PEDESTAL = 6 * THICKNESS
 
 
 def pedestals(scene: Scene, narrower: float) -> tuple[Brick, ...]:
-    """Return the pedestals below the bricks of the lowest level, which are upright.
+    """Return the upright pedestals below the bricks of the lowest level.
 
     Args:
-        scene: the scene before it is raised.
-        narrower: difference [m] between a brick's and its pedestal's edges in x and y. Pedestals must not touch even if
-            the bricks do, because a brick that has moved by a micrometre would rest on its neighbour's pedestal.
+        scene: the scene without pedestals.
+        narrower: difference [m] between the edges of a brick and of its pedestal, in x and y. Pedestals must not touch
+            even if their bricks do, because a brick that has moved by a micrometre would rest on its neighbour's
+            pedestal.
     """
     return tuple(_pedestal(brick, narrower) for brick in scene.bricks if brick.level == 1)
 
 
 def lifted(brick: Brick) -> Brick:
-    """Return a brick of the scene raised by the height of a pedestal, one level higher."""
+    """Return a brick raised by the height of a pedestal, with a level higher by one."""
     x, y, z = brick.position
     return replace(brick, position=(x, y, z + PEDESTAL), level=brick.level + 1)
 

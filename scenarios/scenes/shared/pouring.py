@@ -1,4 +1,4 @@
-"""Bricks poured one by one: their size, their random turns, and their planned heights."""
+"""Poured bricks: their size, their random turns and their planned heights."""
 
 from __future__ import annotations
 
@@ -25,14 +25,15 @@ def poured_bricks(
 ) -> list[Brick]:
     """Return bricks in random poses, each at the height of its first contact.
 
-    A brick sinks straight down, without turning, until it touches an earlier brick or the ground. The planned height of
-    each brick assumes that every brick stays where it first touches the pile.
+    Each brick sinks straight down, without turning, until it touches an earlier brick or the ground. The planned
+    heights assume that every brick stays in the pose of its first contact.
 
     Args:
         count: number of bricks.
-        generator: source of all random numbers; it draws the place of a brick, then its turn.
-        release: function that draws the place of a brick in x and y [m].
-        beside: bricks that stand before, level by level from 1; the first poured brick has the next level.
+        generator: source of all random numbers: for each brick the place, then the turn.
+        release: function that draws the place (x, y) [m] of a brick.
+        beside: bricks in place before the first poured brick. The level of the first poured brick is one above their
+            highest level.
     """
     bricks = list(beside)
     first = max((brick.level for brick in beside), default=0) + 1
@@ -45,9 +46,9 @@ def poured_bricks(
 
 
 def random_turn(generator: random.Random) -> Quaternion:
-    """Return a random rotation; all rotations are equally likely.
+    """Return a random rotation as a quaternion (w, x, y, z); all rotations are equally likely.
 
-    The method is from Shoemake, "Uniform Random Rotations", Graphics Gems III, 1992.
+    The method is from K. Shoemake, "Uniform Random Rotations", Graphics Gems III, 1992.
     """
     share, first, second = generator.random(), *(2 * math.pi * generator.random() for _ in range(2))
     low, high = math.sqrt(1 - share), math.sqrt(share)

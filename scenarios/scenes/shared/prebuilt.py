@@ -1,25 +1,28 @@
 """Prebuilt stacks: any scene of statics with all bricks in place when the simulation starts.
 
-``at_once`` merges all ``Place`` actions into one at time 0 with height 0: bricks keep their planned geometry, in which
-levels, and planks that lean against each other, touch without a gap. Removals keep their time after the last placement.
-The cases:
+``at_once`` merges all ``Place`` actions into one ``Place`` action at time 0 with height 0. Bricks keep their planned
+poses, and touch their neighbours without a gap. Removals keep their time after the last placement. The function
+distinguishes three cases:
 
-1. A scene that must fall at level k while it is built: its first k levels. They must fall at once, within
-   ``WITHIN`` times ``falling.fall_time``, so that a stack that is frozen at first and falls later counts as a false
+1. The scene must fall at level k during the placements: the prebuilt stack is the first k levels. The stack must fall
+   within ``WITHIN`` times ``falling.fall_time``, so that a stack that freezes first and falls later counts as a false
    stand.
-2. A scene that must fall when a brick is removed: all levels. They must stand until then.
-3. A scene that must stand: all levels. They must stand for ``STANDS_S`` and fall when one more brick is removed.
+2. The scene must fall after a removal: the prebuilt stack is all levels. The stack must stand until the removal.
+3. The scene must stand: the prebuilt stack is all levels. The stack must stand for ``STANDS_S``; then the scene removes
+   one more brick, and the stack must fall.
 
-``at_once_below`` takes the first k - 1 levels of a scene of case 1, and treats them as case 3. So no scene tests
-statics alone: a body that a policy freezes before the first step must also fall later. A scene of case 1 and a scene of
-case 3 form a pair if they come from the two sides of a pair.
+``at_once_below`` takes the first k - 1 levels of a scene of case 1, and treats this stack as case 3. Therefore no scene
+tests statics alone: a body that a policy freezes before the first step must also fall later. The prebuilt scenes of
+cases 1 and 3 form a pair if their original scenes form a pair.
 
-The removed brick is the first, level by level from the lowest, that fulfils two conditions. If no brick qualifies (flat
-planks with two supports each), the stack stands on pedestals, and one pedestal is removed. The conditions:
+In case 3 the scene removes the first brick, level by level from the lowest, for which two conditions hold:
 
 - Without the brick, exact statics finds no equilibrium, under both ridge conventions.
-- The loss of the brick is visible: a brick on it loses all of its support, or the removed brick was at least ``TALL``
-  times as high as the least edge of a brick on it.
+- The loss of the brick is visible: a brick above loses all its support, or the removed brick was at least ``TALL``
+  times as high as the least edge of a brick above.
+
+If no brick meets both conditions (flat planks with two supports each), the stack stands on pedestals, and the scene
+removes a pedestal.
 """
 
 from __future__ import annotations
@@ -57,7 +60,7 @@ def at_once(scene: Scene) -> Scene:
     """Return the prebuilt variant of a scene.
 
     Raises:
-        ValueError: if the scene is dynamic or has no known answer, or if there is no brick without which it falls.
+        ValueError: if the scene is dynamic or has no known answer, or if no removal of a brick makes the stack fall.
     """
     _check(scene)
     scene = closed(scene)
@@ -69,7 +72,7 @@ def at_once(scene: Scene) -> Scene:
 
 
 def at_once_below(scene: Scene) -> Scene:
-    """Return the prebuilt levels below the level at which a scene must fall.
+    """Return the prebuilt variant of the levels below the level at which a scene must fall.
 
     Raises:
         ValueError: as ``at_once``; or if the scene falls at no level, or at the first level.
@@ -87,7 +90,7 @@ def at_once_below(scene: Scene) -> Scene:
 
 
 def is_static(scene: Scene) -> bool:
-    """Return whether statics alone decides a scene: bricks are placed and removed, not dropped, pushed or poured."""
+    """Return whether statics alone decides a scene, because the scene only places and removes bricks."""
     return not scene.poured and all(isinstance(action, Place | Remove) for action in scene.actions)
 
 
@@ -105,7 +108,10 @@ def _check(scene: Scene) -> None:
 
 
 def closed(scene: Scene) -> Scene:
-    """Return the scene with closed ridges, because a plan leaves a gap between planks that lean against each other."""
+    """Return the scene with closed ridges.
+
+    A plan leaves a gap between planks that lean against each other.
+    """
     corners = Boxes.of(scene.bricks).corners
     shift = np.zeros((len(scene.bricks), 3))
     for patch in contact_patches(scene.bricks):
@@ -127,7 +133,7 @@ def closed(scene: Scene) -> Scene:
 
 
 def _level_of_fall(scene: Scene) -> int | None:
-    """Return the level at which a scene falls while it is built; None if it does not fall then."""
+    """Return the level at which a scene must fall during the placements; None for any other scene."""
     return scene.expectation.level if scene.expectation.not_before_s == 0.0 else None
 
 
@@ -161,7 +167,11 @@ def _falling(scene: Scene, bricks: Sequence[Brick]) -> Scene:
 
 
 def _robbed(scene: Scene) -> Scene:
-    """Return a prebuilt stack that stands, and from which a load-bearing brick is then removed."""
+    """Return a scene whose prebuilt stack stands until the scene removes a load-bearing brick.
+
+    Raises:
+        ValueError: if no removal of a brick makes the stack fall.
+    """
     taken = _load_bearing(scene)
     if taken is None:
         scene = _raised(scene)
@@ -184,7 +194,7 @@ def _robbed(scene: Scene) -> Scene:
 
 
 def _load_bearing(scene: Scene) -> int | None:
-    """Return the first brick, level by level, without which the rest falls visibly; None if no brick qualifies."""
+    """Return the index of the first brick, level by level, whose loss makes bricks fall visibly; None without any."""
     gone = _removed(scene)
     bisector, face = (contact_patches(scene.bricks, scene.world.fixed, ridge=ridge) for ridge in RIDGES)
     conventions = [bisector] if _are_equal(bisector, face) else [bisector, face]
@@ -200,7 +210,7 @@ def _load_bearing(scene: Scene) -> int | None:
 def _seen_without(
     index: int, gone: set[int], bricks: Sequence[Brick], patches: Sequence[Patch], height: float
 ) -> list[int]:
-    """Return the indices of the bricks that touch the brick ``index`` and that would fall visibly if they need it."""
+    """Return the indices of the bricks on the brick ``index`` that would fall visibly if they need this brick."""
     present = [patch for patch in patches if not gone & {patch.first, patch.second}]
     touching = {*(p.second for p in present if p.first == index), *(p.first for p in present if p.second == index)}
     rest = [patch for patch in present if index not in (patch.first, patch.second)]
@@ -213,7 +223,7 @@ def _seen_without(
 
 
 def _are_equal(first: Sequence[Patch], second: Sequence[Patch]) -> bool:
-    """Return whether both ridge conventions give the same normals, as in a scene without ridges."""
+    """Return whether the patches of both ridge conventions have the same normals."""
     return all((one.normal == other.normal).all() for one, other in zip(first, second, strict=True))
 
 
@@ -234,7 +244,10 @@ def _removed(scene: Scene) -> set[int]:
 
 
 def _raised(scene: Scene) -> Scene:
-    """Return a prebuilt stack on pedestals; the scene itself with fixed boxes, or if its lowest bricks lean."""
+    """Return a prebuilt stack on pedestals.
+
+    A scene with fixed bodies, or with leaning bricks at the lowest level, stays the same.
+    """
     lowest = [brick for brick in scene.bricks if brick.level == 1]
     if scene.world.fixed or any(brick.quaternion[1:3] != (0.0, 0.0) for brick in lowest):
         return scene

@@ -1,4 +1,4 @@
-"""Planks on a tilting surface: they hold below the friction angle and slide above it, under any load."""
+"""Planks on a tilting surface: planks hold below the friction angle, and slide above this angle, under any load."""
 
 from __future__ import annotations
 

@@ -118,7 +118,7 @@ def _handled(name: str, table: Mapping[str, Any], fields: Sequence[str], laid: _
     placed, _, of_brick = laid[places[0]]
     if not placed < time < of_brick.get("removed", float("inf")):
         raise ValueError(
-            f"{name}.time must be after brick[{number:g}].time, which is {placed:g} s, and before its removal, got "
-            f"{time:g} s"
+            f"{name}.time must be after brick[{number:g}].time, which is {placed:g} s, and before the brick's removal, "
+            f"got {time:g} s"
         )
     return time, places[0]

@@ -1,10 +1,10 @@
-"""Transforms of a whole scene that do not change statics: changes of its size, its mass and its direction.
+"""Transforms of a whole scene that preserve its statics: changes of size, mass and direction.
 
-``resized`` enlarges a scene of statics. Gravity stays the same, so with the factor L
+``resized`` changes the size of a scene of statics by a factor L. Gravity stays the same.
 
-- lengths grow by L: bricks, gaps, fixed boxes, the clearance from which bricks are released, and placement noise;
-- masses grow by L^3, because the density stays;
-- times grow by max(1, sqrt(L)): times of placements and removals, limits of falls, and ``watch_s``.
+- Lengths change by L: bricks, gaps, fixed boxes, the release height of bricks, and placement noise.
+- Masses change by L^3, because the density stays the same.
+- Times change by max(1, sqrt(L)): times of placements and removals, limits of falls, and ``watch_s``.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def transformed(brick: Brick, size: float, mass: float, yaw: float) -> Brick:
 
 
 def resized(scene: Scene, size: object) -> Scene:
-    """Return a scene of statics with all lengths times ``size``; the scene itself if ``size`` is 1.
+    """Return a scene of statics with all lengths times ``size``.
 
     Raises:
         ValueError: if the scene is dynamic, or ``size`` is out of range.

@@ -44,7 +44,7 @@ def test_exact_bodies_stay_to_the_bit():
     ("height", "message"),
     [
         (0.15 - 2 * OVERLAP, "cube 1 overlaps cube 0 by 2.000 mm, more than 1 mm: move them apart"),
-        (0.15 + 2 * GAP, "cube 1 floats 20.0 mm above cube 0, more than 10 mm: lower it"),
+        (0.15 + 2 * GAP, "cube 1 floats 20.0 mm above cube 0, more than 10 mm: lower cube 1"),
     ],
 )
 def test_more_is_refused(height, message):

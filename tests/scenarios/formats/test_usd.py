@@ -51,5 +51,5 @@ def test_a_joint_is_refused_by_name(tmp_path):
 def test_a_stage_with_y_up_is_refused(tmp_path):
     path = tmp_path / "scene.usda"
     path.write_text(to_usd(build("leaning_drums", drums=2)).replace('upAxis = "Z"', 'upAxis = "Y"'), encoding="utf-8")
-    with pytest.raises(ImportRefusedError, match="y up: set upAxis to Z"):
+    with pytest.raises(ImportRefusedError, match="up axis of the stage is y: set upAxis to Z"):
         read_usd(path)
