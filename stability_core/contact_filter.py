@@ -168,9 +168,9 @@ def keep_contacts(bodies: Bodies, contacts: ContactArrays, limits: Limits, dt: f
         bodies: the table, tracked for this frame.
         contacts: n contacts between rows of the table.
         limits: the settings. The filter drops impacts (see ``is_impact``) and gaps wider than ``contact_gap``. The
-            filter measures gaps from the deepest point of the pair, because a tilted plank with one edge deep in the
-            ground stands on this edge only. A contact that is not load-bearing counts up to a gap of ``touch_gap``,
-            because friction needs pressure.
+            filter measures gaps from the deepest point of the pair, because a tilted plank may stand only on one edge,
+            deep in the ground. A contact that is not load-bearing counts up to a gap of ``touch_gap``, because friction
+            needs pressure.
         dt: time since the last frame [s].
         kept: output, at least n rows of ``CONTACT``.
 

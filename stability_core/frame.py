@@ -169,7 +169,7 @@ def observe(
         bodies: the table.
         slots: the slots of ``Rows``, which hold the row of each body. New bodies get a row.
         spare: the free rows of ``Rows``.
-        contacts: output, with room for n more rows. This array and the next four arrays are those of ``FrameBuffers``.
+        contacts: output, with room for n more rows. This array and the next four arrays belong to ``FrameBuffers``.
         sizes: shape (frames,).
         latest: shape (1,).
         clock: shape (4,).
@@ -181,7 +181,7 @@ def observe(
         body_b: second bodies, shape (n,).
         mass: masses of the listed bodies [kg], shape (m,).
         center: centres of mass of the listed bodies [m], shape (m, 3).
-        point: contact points [m], shape (n, 3). This array and the following arrays are those of ``Contacts``.
+        point: contact points [m], shape (n, 3). This array and the following arrays belong to ``Contacts``.
         normal: unit normals from a to b, shape (n, 3).
         separation: signed distances [m], shape (n,).
         relative_velocity: velocity of b against a [m/s], shape (n, 3).

@@ -7,8 +7,8 @@ Examples are lifts, doors and conveyor belts. A kinematic body is FIXED or MOVIN
 
 A kinematic body begins to move when its centre, or its surface below a frozen body, has moved by ``steady_shift`` sizes
 of the smallest body in contact with it so far. The body is FIXED again once it has kept its place for ``still_s``. In
-each frame the path of its surface grows by the length of the frame times the greatest relative speed at the body's
-contacts with frozen bodies. The path of the surface reveals conveyor belts and turns about the centre.
+each frame the path of its surface grows by the greatest relative speed at its contacts with frozen bodies, times the
+length of the frame. The path of the surface reveals conveyor belts and turns about the centre.
 """
 
 from __future__ import annotations

@@ -119,7 +119,7 @@ class Equilibrium(Policy):
         self._sag[:] = 0.0
 
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
-        """Freeze the bodies in safe regions by one compiled call; then freeze the other candidates that stand together.
+        """Freeze the bodies in safe regions by one compiled call; then freeze other candidates that stand together.
 
         While safe regions decide, the cost is O(1) per changed body. Otherwise the cost is some solves of the affected
         bodies, which start from the latest forces.
