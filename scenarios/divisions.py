@@ -12,5 +12,5 @@ TUNED_ON = ("four_stack", "card_house", "leaning_tower", "plank_tower")
 
 
 def is_held_out(scenario: str) -> bool:
-    """Return True if no profile was tuned on ``scenario``."""
+    """Return True if ``scenario`` is a held-out scene."""
     return scenario not in TUNED_ON

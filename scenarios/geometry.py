@@ -132,8 +132,8 @@ def _heights(boxes: Boxes, side: float) -> FloatArray:
 def vertical_clearance(upper: Boxes, lower: Boxes) -> FloatArray:
     """Return the distance [m] by which each upper box can sink straight down to each lower box, shape (m, n).
 
-    The distance is infinite where the boxes do not overlap in plan (seen from above), and negative where the upper box
-    must rise to come free.
+    The distance is infinite if the boxes do not overlap in plan (seen from above). The distance is negative if the
+    upper box must rise to come free.
     """
     clearance = np.full((len(upper), len(lower)), np.inf)
     apart = np.abs(upper.center[:, None, :2] - lower.center[None, :, :2])
@@ -196,8 +196,8 @@ def resting_shift(
         below: the boxes that may carry the group, in their actual poses. Pass boxes of lower levels only, because a
             neighbour of the same level that overlaps a plank slightly would count as the plank's support. The ground is
             always a support.
-        neighbours: mask of the pairs (group, below), shape (m, n): True if the box of ``below`` is planned beside the
-            box of the group. Neighbours do not carry each other.
+        neighbours: mask of the pairs (group, below), shape (m, n): True if both boxes are neighbours in the plan.
+            Neighbours do not carry each other.
         fixed: boxes that never move. Fixed boxes carry boxes planned above them, but not boxes beside or below them.
     """
     clearance = vertical_clearance(group, below)
@@ -212,9 +212,8 @@ def resting_shift(
 def room_above_fixed(group: Boxes, fixed: Boxes) -> float:
     """Return the distance [m] by which a rigid group can sink to a fixed box below it; infinite without such a box.
 
-    A fixed box counts as a ceiling over a box of the group if this box must rise by at least half its own height to
-    come free of the fixed box. A smaller overlap does not count, because placement noise on a slope makes boxes overlap
-    by up to 1 mm.
+    A fixed box counts as a ceiling if a box of the group must rise by at least half its own height to come free of it.
+    A smaller overlap does not count, because placement noise on a slope makes boxes overlap by up to 1 mm.
     """
     clearance = vertical_clearance(group, fixed)
     is_above = clearance > -group.reach[:, None, 2]

@@ -34,7 +34,7 @@ DRAGGED_ALONG = 3
 
 
 def unfreeze(world: World, row: int) -> None:
-    """Make a frozen body live. Until the body moves, it still loads its supports."""
+    """Make a frozen body live; until the body moves, it still loads its supports."""
     body = world.graph.bodies[row]
     body["state"], body["unsettled"], body["leans"], body["doubt"] = LIVE, True, False, PROVEN
     body["rest_s"] = body["still_s"] = body["lean_s"] = body["steady_s"] = 0.0
@@ -57,7 +57,7 @@ class Batch:
         self.deferred = NOBODY
 
     def wake(self, reasons: Mapping[int, str]) -> None:
-        """Unfreeze the bodies named in ``reasons``, by row, but not the bodies on them."""
+        """Unfreeze the bodies in ``reasons``, by row, but not the bodies on them."""
         self.woken.update(reasons)
         for row in reasons:
             unfreeze(self._world, row)
@@ -65,7 +65,7 @@ class Batch:
     def wake_above(self, roots: IntArray, reason: str) -> None:
         """Unfreeze the ``roots``, shape (k,), and the bodies on them.
 
-        If the batch froze a body in the same frame, the batch sends neither the sleep nor the wake to the engine.
+        If this batch also freezes one of these bodies, the engine gets neither the sleep nor the wake of the body.
         """
         graph = self._world.graph
         for row in with_all_above(graph, roots).tolist():
@@ -76,7 +76,10 @@ class Batch:
                     self.woken[row] = reason if row in roots else f"rested on what was {reason}"
 
     def wake_struck(self, struck: IntArray) -> None:
-        """Unfreeze the ``struck`` bodies, shape (k,), and the neighbours of bodies that a blow throws away."""
+        """Unfreeze the ``struck`` bodies, shape (k,), and the bodies on them.
+
+        If a blow throws a body away, the frozen bodies within ``DRAGGED_ALONG`` contacts unfreeze too.
+        """
         graph = self._world.graph
         rows = graph.bodies[struck]
         flung = struck[rows["blow"] > rows["size"]]
@@ -84,7 +87,7 @@ class Batch:
         self.wake_above(struck, "struck")
 
     def leave_moved(self, moved: IntArray) -> None:
-        """Unfreeze the ``moved`` bodies, shape (k,), and the bodies on them; kinematic bodies lose their supports."""
+        """Unfreeze the ``moved`` bodies, shape (k,), and the bodies on them; drop the supports of kinematic bodies."""
         self.wake_above(moved, "moved by the host")
         graph = self._world.graph
         for row in moved.tolist():
@@ -94,8 +97,8 @@ class Batch:
     def hand_over(self, port: StabilityPort) -> Change:
         """Send one sleep and one wake batch to the engine; return the change by ids.
 
-        The method undoes a call that raises: after a failed ``sleep`` the bodies of the batch have their former states,
-        after a failed ``wake`` the bodies to unfreeze are frozen. The bodies to unfreeze stay in ``woken``, so that the
+        The method undoes a call that raises. After a failed ``sleep``, the bodies of the batch have their former
+        states. After a failed ``wake``, the bodies in ``woken`` are frozen. These bodies stay in ``woken``, so that the
         next update tries again.
         """
         later = tuple(np.sort(self._world.ids[self.deferred]).tolist()) if len(self.deferred) else ()
@@ -118,7 +121,7 @@ class Batch:
         return Change(frozen, woken, asleep | awake if woken else asleep, later)
 
     def _by_id(self, reasons: Mapping[int, str]) -> dict[int, str]:
-        """Convert the keys of ``reasons`` from rows to body ids; return the result in rising order of the ids."""
+        """Return the ``reasons`` by body id instead of row, in rising order of the ids."""
         if not reasons:
             return {}
         ids = self._world.ids
@@ -126,7 +129,7 @@ class Batch:
         return named if len(named) == 1 else dict(sorted(named.items()))
 
     def _take_back(self, asleep: Iterable[int]) -> None:
-        """Undo a batch that the port did not carry out: make ``asleep`` live, and freeze the bodies to unfreeze."""
+        """Undo a batch that the port did not carry out: make ``asleep`` live, and freeze the bodies in ``woken``."""
         table = self._world.graph.bodies
         for row in asleep:
             unfreeze(self._world, row)

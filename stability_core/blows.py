@@ -1,9 +1,9 @@
-"""Blows: find the frozen bodies that a live body is about to strike, or has struck, hard enough to move them.
+"""Blows: find the frozen bodies that a live body strikes, or is about to strike, hard enough to move them.
 
-A frozen body has infinite mass, so a striker loses its momentum within one step, and unfreezing the body afterwards is
+A striker loses its momentum within one step, because a frozen body has infinite mass. Unfreezing the body afterwards is
 too late. Therefore a contact that will close within ``AHEAD`` frames counts before the bodies touch, so that the engine
-simulates the impact. The module judges a sideways blow by the slide that the blow would cause. With striker mass M and
-body mass m, a plastic impact gives
+simulates the impact. The module judges a sideways blow by the slide that the blow would cause. A striker of mass M
+strikes a body of mass m at the horizontal speed v. With the coefficient of friction mu, a plastic impact gives
 
 v' = v M / (M + m),    slide = v'^2 / (2 mu g)
 
@@ -44,7 +44,7 @@ class Blow(NamedTuple):
 
 @compiled
 def _speed_after(striker: Bodies, target: Bodies, blow: Blow) -> float:
-    """Return the horizontal speed [m/s] of a frozen body after a plastic impact; zero for a downward blow."""
+    """Return the horizontal speed [m/s] of the target after a plastic impact; zero for a downward blow."""
     if abs(blow.upward) > SIDEWAYS:
         return 0.0
     share = 1.0 if striker.state == MOVING else striker.mass / (striker.mass + target.mass)
@@ -53,7 +53,7 @@ def _speed_after(striker: Bodies, target: Bodies, blow: Blow) -> float:
 
 @compiled
 def _note_blow(bodies: Bodies, striker: int, target: int, blow: Blow, limits: Limits, dt: float) -> bool:
-    """Record the effect of a blow on a frozen body; return True for its first effective blow in this frame."""
+    """Record the effect of a blow on a frozen body; return True for the body's first effective blow in this frame."""
     row = bodies[target]
     size = size_of_pair(bodies, striker, target)
     is_hard = is_impact(blow.approach, size, limits, dt)

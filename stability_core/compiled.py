@@ -1,4 +1,4 @@
-"""Compile kernels with Numba, once, into Numba's cache on disk."""
+"""Compile kernels with Numba, and keep the compiled kernels in Numba's cache on disk."""
 
 from __future__ import annotations
 

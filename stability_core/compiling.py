@@ -1,6 +1,6 @@
-"""Compile all kernels before their first use, and log the time.
+"""Compile all kernels before their first use, and log a long compilation.
 
-Numba compiles a kernel on its first call, and caches it beside the sources, in the user's cache, or in
+Numba compiles a kernel on its first call. Numba's cache is beside the sources, in the user's cache, or in
 ``NUMBA_CACHE_DIR``. Only this module of the core reads a clock and files, and neither affects a verdict.
 """
 
@@ -28,7 +28,7 @@ def compile_policy(policy: str, extension_of: Callable[[ScriptedPort], ScriptedE
 
     Args:
         policy: name of the policy.
-        extension_of: returns an extension of this policy for a port.
+        extension_of: function that returns an extension of this policy for a port.
     """
     if policy in _COMPILED:
         return 0.0
@@ -57,7 +57,7 @@ def _play(extension_of: Callable[[ScriptedPort], ScriptedExtension]) -> None:
 
 
 def _is_kept(kernel: Any) -> bool:
-    """Return whether a kernel is in the cache on disk, in this version or an earlier version."""
+    """Return whether the cache on disk contains a kernel, in this version or an earlier version."""
     folder = Path(kernel.stats.cache_path or "")
     return any(folder.glob(f"*.{kernel.py_func.__qualname__}-*.nbi"))
 

@@ -1,8 +1,8 @@
-"""Filter contacts: drop fast impacts and gaps, and decide by the normal which body stands on which.
+"""Filter contacts: drop fast impacts and gaps, and decide by the normal which body of a pair stands on the other body.
 
-The paper also drops pairs in which neither body touches the stack. This filter keeps these pairs, because they show
-which bodies lie on a live load. They do not change a decision, because the tests examine only bodies that touch the
-stack.
+The paper also drops pairs in which neither body touches the stack. This filter keeps these pairs, because they show the
+bodies that lie on a live load. The tests examine only bodies that touch the stack. Therefore these pairs change no
+decision.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ on the body's surface."""
 
 @compiled
 def bit_of(body: int) -> np.uint64:
-    """Return the bit that stands for a body in a set of 64 bits."""
+    """Return the bit of a body in a set of 64 bits."""
     return np.uint64(1) << np.uint64((body + 1) % 64)
 
 
@@ -60,9 +60,10 @@ def is_level(upward: float, friction: float, level_tilt: float) -> bool:
 
 @compiled
 def upper_of(body_a: int, body_b: int, upward: float) -> int:
-    """Return the body that the contact pushes up, which stands on the other body.
+    """Return the upper body of a contact: the body that the contact pushes up.
 
-    The heights of the centres do not decide, because a tilted plank's centre lies above a block on the plank's low end.
+    The heights of the centres do not decide, because a tilted plank's centre may lie above a block on the plank's low
+    end.
 
     Args:
         body_a: first body.
@@ -108,9 +109,10 @@ def speeds_of(velocity: FloatArray, normal: FloatArray) -> tuple[float, float]:
 
 @compiled
 def _deepest_of_pair(body_a: IntArray, body_b: IntArray, separation: FloatArray, first: int) -> tuple[float, int]:
-    """Return the separation [m] of a pair's deepest point, at most zero, and the row after its last point.
+    """Return the separation [m] of a pair's deepest point, at most zero, and the row after the pair's last point.
 
-    Engines list the points of a pair in sequence, so the function reads only the rows from the ``first`` on.
+    The function reads only rows from the ``first`` row of the pair on, because engines list the points of a pair in
+    sequence.
     """
     deepest, i = 0.0, first
     while i < len(separation) and body_a[i] == body_a[first] and body_b[i] == body_b[first]:
@@ -122,7 +124,7 @@ def _deepest_of_pair(body_a: IntArray, body_b: IntArray, separation: FloatArray,
 
 @compiled
 def note_sizes(bodies: Bodies, contacts: ContactArrays) -> None:
-    """Record each body's size, the unit of its lengths: the distance [m] from its centre to its farthest contact point.
+    """Record each body's size: the greatest distance [m] of a contact point from the body's centre.
 
     The function ignores a point whose gap exceeds ``_NEAR`` times the point's distance from the centre.
     """
@@ -153,7 +155,7 @@ def size_of_pair(bodies: Bodies, body_a: int, body_b: int) -> float:
 
 @compiled
 def is_impact(approach: float, size: float, limits: Limits, dt: float) -> bool:
-    """Return True for an impact: the ``approach`` speed [m/s] exceeds the limit for a pair of this ``size`` [m]."""
+    """Return True if the ``approach`` speed [m/s] exceeds the limit for a pair of this ``size`` [m]."""
     laid = max(limits.impact_speed * np.sqrt(limits.gravity * size), limits.impact_frames * limits.gravity * dt)
     return bool(approach > laid)
 
@@ -165,10 +167,10 @@ def keep_contacts(bodies: Bodies, contacts: ContactArrays, limits: Limits, dt: f
     Args:
         bodies: the table, tracked for this frame.
         contacts: n contacts between rows of the table.
-        limits: the settings. The filter drops impacts (see ``is_impact``) and gaps wider than ``contact_gap``. It
-            measures gaps from the deepest point of the pair, because a tilted plank of which one edge has sunk into
-            the ground stands on this edge only. A contact that is not load-bearing counts up to a gap of ``touch_gap``,
-            because friction needs pressure.
+        limits: the settings. The filter drops impacts (see ``is_impact``) and gaps wider than ``contact_gap``. The
+            filter measures gaps from the deepest point of the pair, because a tilted plank may stand only on one edge,
+            deep in the ground. A contact that is not load-bearing counts up to a gap of ``touch_gap``, because friction
+            needs pressure.
         dt: time since the last frame [s].
         kept: output, at least n rows of ``CONTACT``.
 

@@ -1,4 +1,4 @@
-"""Explain in words why a body is not frozen, or why it was frozen or unfrozen."""
+"""Explain in words why a body is live, or why the core froze it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def explain(row: Any, settings: Settings, gravity: float, dt: float, reason: str
         settings: the tolerances.
         gravity: gravitational acceleration [m/s2], positive.
         dt: length of the latest frame [s].
-        reason: reason of the body's last freezing or unfreezing; empty if there was none.
+        reason: reason of the body's last freezing or unfreezing; empty without any.
     """
     if row["state"] == FROZEN:
         return f"frozen: {reason}"

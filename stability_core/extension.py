@@ -35,13 +35,13 @@ MOMENT_S = 1e-9
 def warm_up(policy: str = "equilibrium") -> float:
     """Compile all kernels of ``policy``, or read them from Numba's cache; return the time [s].
 
-    ``StabilityExtension`` calls this function once per process and policy, so that nothing is compiled while a
-    simulation runs. Call it yourself where the wait matters least, such as when a container is built: compiling takes
-    one to two minutes, once per version. The function reports long compilations, and a cache that is not writable,
-    to the logger ``stability_core``.
+    ``StabilityExtension`` calls this function once per process and policy, so that Numba compiles nothing while a
+    simulation runs. You may call the function earlier, for example while you build a container, because compiling takes
+    one to two minutes, once per version. The function reports long compilations, and a cache that is not writable, to
+    the logger ``stability_core``.
 
     Raises:
-        UnknownNameError: if there is no such policy.
+        UnknownNameError: if ``policy`` is no name of ``POLICIES``.
     """
     look_up("policy", policy, POLICIES)
     return compile_policy(policy, partial(StabilityExtension, policy=policy))
@@ -68,7 +68,7 @@ class StabilityExtension:
             settings: the tolerances.
 
         Raises:
-            UnknownNameError: if there is no such policy.
+            UnknownNameError: if ``policy`` is an unknown name.
             ValueError: if gravity is not a finite vector, or zero.
         """
         self._gravity = checked_gravity(gravity)
@@ -111,8 +111,8 @@ class StabilityExtension:
     def gravity(self) -> tuple[float, float, float]:
         """Gravity [m/s2], in the coordinates of the port; set this value whenever gravity changes, before ``update``.
 
-        After a total change of ``gravity_tilt`` or ``gravity_change``, the next update judges every frozen body again:
-        O(bodies). Smaller changes add up.
+        Changes add up. After a total change of ``gravity_tilt`` or ``gravity_change``, the next update judges every
+        frozen body again: O(bodies).
         """
         return self._gravity
 
@@ -148,12 +148,15 @@ class StabilityExtension:
         self._is_closed = True
 
     def wake(self, bodies: Iterable[int]) -> Change:
-        """Unfreeze ``bodies`` and the frozen bodies that rest on them, at once, as an impact on them would.
+        """Unfreeze ``bodies`` and the frozen bodies on them at once, as an impact would.
 
-        Call this method before you apply an impulse or an explosion, so that the bodies move in the same frame. Call it
-        also when a support starts to move in a way that the port cannot show, such as a conveyor belt under frozen
-        bodies; pass the id of the belt. An unfrozen body may freeze again once it has moved, or has stayed calm for
-        ``calm_s``, and is at rest.
+        Call this method in two cases:
+
+        - before you apply an impulse or an explosion, so that the bodies move in the same frame;
+        - when a support starts to move in a way that the port cannot show. For example, pass the id of a conveyor belt
+          under frozen bodies.
+
+        An unfrozen body at rest may freeze again, once it has moved or has stayed calm for ``calm_s``.
 
         Raises:
             KeyError: for a body that no update has seen.
@@ -167,7 +170,7 @@ class StabilityExtension:
         return self._send(batch)
 
     def disturb(self, bodies: Iterable[int]) -> None:
-        """Keep ``bodies`` live while a user holds or pushes them, and judge the bodies that rest on them again.
+        """Keep ``bodies`` live while a user holds or pushes them, and judge the bodies on them again.
 
         Raises:
             KeyError: for a body that no update has seen.
@@ -188,7 +191,7 @@ class StabilityExtension:
         self._world.graph.bodies["held"][self._world.rows_of(bodies)] = False
 
     def why(self, body: int) -> str:
-        """Explain why a body is not frozen, such as "0.31 mm deep in its support", or why it was frozen.
+        """Explain why a body is live, such as "0.31 mm deep in its support", or why the core froze it.
 
         Raises:
             KeyError: for a body that no update has seen.
@@ -199,9 +202,9 @@ class StabilityExtension:
     def update(self, dt: float) -> Change:
         """Read the world after a step of ``dt`` seconds; freeze and unfreeze bodies.
 
-        The cost depends on the live bodies and the changes, not on the number of frozen bodies. The cost is negligible
-        while no body is live. If the call raises, nothing changes, except that a port whose ``sleep`` or ``wake``
-        raised may have carried out a part of the batch; the next update repeats that batch.
+        The cost depends on the live bodies and the changes, not on the number of frozen bodies. While no body is live,
+        the cost is negligible. If the call raises, nothing changes, with one exception: a port whose ``sleep`` or
+        ``wake`` raises may have carried out a part of the batch. The next update repeats this batch.
 
         Raises:
             ValueError: if dt is not positive, or the port returns malformed contacts or masses.
@@ -222,11 +225,12 @@ class StabilityExtension:
         return self._settle(contacts, self.settings.budget)
 
     def adopt(self, bodies: Iterable[int] | None = None) -> Change:
-        """Judge bodies in place by statics at once, and freeze the bodies that stand, also before they are at rest.
+        """Judge bodies in place by statics at once, and freeze the bodies that stand, even before they are at rest.
 
-        Use this method for stacks that exist when the simulation starts, or that are placed as a whole. Call it before
-        the first step, with an engine that lists the contacts of the present poses. Bodies that cannot stand, move, or
-        slide at a contact stay live. Policies that require rest only (``at_rest``, ``pile``) adopt nothing.
+        Use this method for stacks that exist when the simulation starts, and for stacks that you place as a whole. Call
+        the method before the first step, with an engine that lists the contacts of the present poses. Bodies stay live
+        if they cannot stand, if they move, or if they slide at a contact. Policies that do not judge statics
+        (``at_rest``, ``pile``) adopt nothing.
 
         Args:
             bodies: the live bodies to judge; None for all.
@@ -253,7 +257,7 @@ class StabilityExtension:
             raise RuntimeError(CLOSED)
 
     def _is_in_place(self, rows: Bodies) -> BoolArray:
-        """Return the mask, shape (k,), of live bodies that are not held, not sliding and not known to move."""
+        """Return the mask (k,) of the live bodies that are not held, do not slide, and have no known motion."""
         fall_speed = np.sqrt(self._world.limits["gravity"] * rows["size"])
         moves = np.isfinite(rows["speed"]) & (rows["speed"] > self.settings.rest_speed * fall_speed)
         slides = rows["slip"] > self.settings.rest_slip * fall_speed
@@ -270,7 +274,7 @@ class StabilityExtension:
             worklist[rule, 0], worklist[rule, 1 : 1 + len(together)] = len(together), together
 
     def _look(self, dt: float) -> tuple[int, int] | None:
-        """Read one frame from the port; return the worklist's length and the contacts kept, or None if nothing is live.
+        """Read one frame; return the worklist's length and the number of kept contacts, or None if nothing is live.
 
         Raises:
             ValueError: if the port returns malformed contacts or masses.
@@ -303,7 +307,7 @@ class StabilityExtension:
         """Return the port's arrays without the rows of recently removed bodies; count the dropped rows.
 
         Raises:
-            ValueError: if arrays do not fit together.
+            ValueError: if the shapes of the arrays do not fit together.
         """
         check_shapes(contacts, masses)
         gone = [*self._leaving, *self._left]
@@ -316,7 +320,7 @@ class StabilityExtension:
         return contacts.chosen(stays), Masses(masses.body[lives], masses.mass[lives], masses.center_of_mass[lives])
 
     def _follow_frozen(self, masses: Masses) -> None:
-        """Update the listed frozen bodies: request a new judgement of a changed mass, and make a moved body live."""
+        """Update the listed frozen bodies: judge the stack again after a change of mass, and unfreeze moved bodies."""
         bodies = self._world.graph.bodies
         for row, mass, moved in self._world.frozen_listed(masses):
             if math.isinf(mass) or moved > self.settings.steady_shift * bodies["size"][row]:
@@ -330,7 +334,7 @@ class StabilityExtension:
     def _settle(self, contacts: int, budget: float) -> Change:
         """Let the policy freeze stable bodies within its ``budget``; unfreeze unbalanced bodies and the bodies on them.
 
-        ``contacts`` is the number of kept contacts, which bounds the number of new patches.
+        The number of kept ``contacts`` bounds the number of new patches.
         """
         batch, worklist = Batch(self._world), self._world.buffers.worklist
         if self._news:

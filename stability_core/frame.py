@@ -65,7 +65,7 @@ def _is_listed(bodies: Bodies, ids: IntArray, body: int) -> bool:
 
 @compiled
 def _first_flipped(bodies: Bodies, contacts: ContactArrays, masses: MassArrays) -> int:
-    """Return the row of a contact with the ground if the normals of all contacts with the ground are flipped, else -1.
+    """Return the row of a contact with the ground if all contacts with the ground have flipped normals, else -1.
 
     Kinematic bodies do not count, because they need not be convex and need not rest on anything.
     """
@@ -94,7 +94,7 @@ def _first_flipped(bodies: Bodies, contacts: ContactArrays, masses: MassArrays) 
 def _first_fault(
     bodies: Bodies, slots: IntArray, named: ContactArrays, contacts: ContactArrays, masses: MassArrays
 ) -> tuple[int, int]:
-    """Return the first fault that appears after the listed bodies have got rows, and the row of the fault.
+    """Return the first fault that the core can find only after it has given rows to the listed bodies, and its row.
 
     Args:
         bodies: the table.
@@ -117,7 +117,7 @@ def _first_fault(
 
 @compiled
 def _name_new(bodies: Bodies, ids: IntArray, rows: IntArray) -> None:
-    """Record the ids of the bodies listed for the first time."""
+    """Record the ids of the bodies that the port lists for the first time."""
     for i in range(len(ids)):
         if bodies[rows[i]].state == ABSENT:
             bodies[rows[i]].id = ids[i]
@@ -125,7 +125,7 @@ def _name_new(bodies: Bodies, ids: IntArray, rows: IntArray) -> None:
 
 @compiled
 def _take_new(bodies: Bodies, slots: IntArray, spare: IntArray, ids: IntArray, rows: IntArray) -> None:
-    """Free the rows of the bodies listed for the first time, in the reverse order of their allocation."""
+    """Free the rows of the bodies that the port lists for the first time, in reverse order of their allocation."""
     new = np.empty(len(ids), np.int64)
     n = 0
     for i in range(len(ids)):
@@ -167,21 +167,21 @@ def observe(
 
     Args:
         bodies: the table.
-        slots: the slots of ``Rows``, which hold the row of each body; new bodies get a row.
+        slots: the slots of ``Rows``, which hold the row of each body. New bodies get a row.
         spare: the free rows of ``Rows``.
-        contacts: output, with room for n more rows; this and the next four are the arrays of ``FrameBuffers``.
+        contacts: output, with room for n more rows. This array and the next four arrays belong to ``FrameBuffers``.
         sizes: shape (frames,).
         latest: shape (1,).
         clock: shape (4,).
         worklist: output, with room for 2 n + m bodies.
         limits: the settings, shape (1,).
         dt: time since the last frame [s].
-        body: the bodies that the port lists, shape (m,): all live bodies, and any frozen bodies.
+        body: the bodies that the port lists, shape (m,): all live bodies, and perhaps frozen bodies.
         body_a: first bodies of the contacts, shape (n,).
         body_b: second bodies, shape (n,).
-        mass: masses of these bodies [kg], shape (m,).
-        center: centres of mass of these bodies [m], shape (m, 3).
-        point: contact points [m], shape (n, 3); this and the following arrays as in ``Contacts``.
+        mass: masses of the listed bodies [kg], shape (m,).
+        center: centres of mass of the listed bodies [m], shape (m, 3).
+        point: contact points [m], shape (n, 3). This array and the following arrays belong to ``Contacts``.
         normal: unit normals from a to b, shape (n, 3).
         separation: signed distances [m], shape (n,).
         relative_velocity: velocity of b against a [m/s], shape (n, 3).

@@ -17,7 +17,7 @@ NO_FORCES = np.zeros((0, 0))
 
 
 class ContactArrays(NamedTuple):
-    """Contacts of one frame, in the upright frame of reference, with the fields of ``Contacts``."""
+    """The contacts of one frame, in upright coordinates, with the fields of ``Contacts``."""
 
     body_a: IntArray
     """First bodies, ids or rows of the table, shape (n,)."""
@@ -38,7 +38,7 @@ class ContactArrays(NamedTuple):
 
 
 class MassArrays(NamedTuple):
-    """Listed bodies of one frame, with the fields of ``Masses``."""
+    """The listed bodies of one frame, with the fields of ``Masses``."""
 
     body: IntArray
     """The bodies, ids or rows of the table, shape (m,)."""
@@ -49,7 +49,7 @@ class MassArrays(NamedTuple):
 
 
 def laid_out(array: Any, dtype: np.dtype[Any]) -> Any:
-    """Return an array in the layout for which the kernels are compiled; copy it only if necessary."""
+    """Return an array in the kernels' layout; copy the array only if necessary."""
     if type(array) is np.ndarray and array.dtype is dtype and array.flags.carray:
         return array  # the usual case: this check takes a third less time than the conversion
     contiguous = np.ascontiguousarray(array, dtype)

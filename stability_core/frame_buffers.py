@@ -36,7 +36,10 @@ STOOD, LENGTH, NOW, HAS_FORCES = range(4)
 
 
 class FrameBuffers(NamedTuple):
-    """The dwell frames, of ``FRAME_S`` or of a slower host's frame, and the worklist of the latest frame."""
+    """The dwell frames, and the worklist of the latest frame.
+
+    The length of a dwell frame is ``FRAME_S``, or the length of a slower host's frame.
+    """
 
     contacts: ContactRows
     """Kept contacts, with the same number of rows of ``CONTACT`` for each frame, shape (frames x room,)."""
@@ -57,9 +60,9 @@ class FrameBuffers(NamedTuple):
 
 
 def buffers_for(seconds: float, room: int, known: FrameBuffers | None = None) -> FrameBuffers:
-    """Return arrays for dwell frames of ``seconds`` in all, with room for ``room`` contacts a frame and bodies a list.
+    """Return arrays for dwell frames that span ``seconds``, with a copy of the ``known`` content.
 
-    The function copies the content of the ``known`` arrays.
+    Each frame has room for ``room`` contacts, and each list for ``room`` bodies.
     """
     frames = max(1, math.ceil((seconds - ROUNDING_S) / FRAME_S))
     fresh = FrameBuffers(
@@ -93,7 +96,7 @@ def _is_gone(bodies: Bodies, body: int) -> bool:
 
 @compiled
 def forget_contacts(bodies: Bodies, buffers: FrameBuffers) -> None:
-    """Drop the contacts of bodies that left the world, whose rows are reused: O(contacts)."""
+    """Drop the contacts of bodies that left the world, because new bodies may get their rows: O(contacts)."""
     contacts, sizes = buffers.contacts, buffers.sizes
     room = len(contacts) // len(sizes)
     for frame in range(len(sizes)):
@@ -107,7 +110,7 @@ def forget_contacts(bodies: Bodies, buffers: FrameBuffers) -> None:
 
 @compiled
 def next_frame(sizes: IntArray, latest: IntArray, clock: FloatArray, dt: float) -> None:
-    """Advance to the next dwell frame if the latest is ``FRAME_S`` old; else keep the latest, to be overwritten."""
+    """Advance to the next dwell frame if the latest is ``FRAME_S`` old; else let this frame overwrite the latest."""
     clock[NOW] += dt
     clock[STOOD] += dt
     clock[LENGTH] = max(dt, FRAME_S)
@@ -132,5 +135,5 @@ def listed(buffers: FrameBuffers, kind: int) -> IntArray:
 
 @compiled
 def frame_before(buffers: FrameBuffers, back: int) -> int:
-    """Return the row of the frame ``back`` frames before the latest."""
+    """Return the index of the dwell frame that is ``back`` frames before the latest frame."""
     return int((buffers.latest[0] - back) % len(buffers.sizes))

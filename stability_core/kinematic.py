@@ -1,4 +1,4 @@
-"""Kinematic bodies: bodies of infinite mass that only the host moves, not a contact force.
+"""Kinematic bodies: bodies of infinite mass, which only the host moves.
 
 Examples are lifts, doors and conveyor belts. A kinematic body is FIXED or MOVING:
 
@@ -6,9 +6,9 @@ Examples are lifts, doors and conveyor belts. A kinematic body is FIXED or MOVIN
 - MOVING: nothing may freeze on the body. Bodies that rested on it unfreeze in the frame in which it begins to move.
 
 A kinematic body begins to move when its centre, or its surface below a frozen body, has moved by ``steady_shift`` sizes
-of the smallest body that has touched it. The body is FIXED again once it has kept its place for ``still_s``. The path
-of its surface is the sum, over the frames, of the greatest relative speed at its contacts with frozen bodies times the
-length of the frame. This path reveals conveyor belts and turns about the centre.
+of the smallest body in contact with it so far. The body is FIXED again once it has kept its place for ``still_s``. In
+each frame the path of its surface grows by the greatest relative speed at its contacts with frozen bodies, times the
+length of the frame. The path of the surface reveals conveyor belts and turns about the centre.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from stability_core.stack import ABSENT, FIXED, FROZEN, LIVE, MOVING, Bodies
 def _keeps_place(row: Bodies, limits: Limits, dt: float) -> bool:
     """Return True if a kinematic body keeps its place.
 
-    Until a first body touches the kinematic body, the function sets its place to its present centre.
+    Until another body touches the kinematic body, its place is its present centre.
     """
     moved = 0.0
     for k in range(3):
@@ -45,7 +45,10 @@ def _keeps_place(row: Bodies, limits: Limits, dt: float) -> bool:
 
 @compiled
 def _begin(row: Bodies) -> bool:
-    """Make a body kinematic: FIXED if it is new, else MOVING, because its place is unknown; return True if MOVING."""
+    """Make a body kinematic; return True if it is MOVING.
+
+    A new body is FIXED. Any other body is MOVING, because its place is unknown.
+    """
     row.state = FIXED if row.state == ABSENT else MOVING
     row.mass = np.inf
     row.size, row.least_load, row.still_s = 0.0, np.inf, 0.0
@@ -72,10 +75,10 @@ def _follow(row: Bodies, limits: Limits, dt: float) -> bool:
 
 @compiled
 def follow_host(bodies: Bodies, masses: MassArrays, limits: Limits, dt: float, moved: IntArray) -> tuple[int, int]:
-    """Update the kinematic bodies that the host moves, makes kinematic or releases.
+    """Update the bodies that the host moves, makes kinematic or releases.
 
     Args:
-        bodies: the table, before this frame is tracked.
+        bodies: the table, before ``motion.track`` of this frame.
         masses: m listed bodies, by their rows; kinematic bodies have infinite mass.
         limits: the settings.
         dt: time since the last frame [s].
@@ -110,7 +113,7 @@ def list_carried(bodies: Bodies, contacts: ContactArrays, limits: Limits, dt: fl
     """Record the contacts of kinematic bodies; list the frozen bodies that a kinematic body moves: O(contacts).
 
     Args:
-        bodies: the table, with sizes noted.
+        bodies: the table, after ``note_sizes``.
         contacts: c contacts between rows of the table.
         limits: the settings.
         dt: time since the last frame [s].

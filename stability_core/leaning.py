@@ -1,7 +1,7 @@
-"""Leaning stability (Thomsen and Kraus 2015, Eqs 3 and 5-7): a body that stands on one contact and leans on another.
+"""The leaning test (Thomsen and Kraus 2015, Eqs 3 and 5-7): a body stands on one contact and leans on a second contact.
 
-The rule is the paper's, with its known weakness: it assumes that friction at the upper contact holds as much weight as
-it can, so between 50 and 65 degrees it accepts an inverted V that must slip.
+The paper's rule has a known weakness: it assumes that friction at the upper contact holds as much weight as possible.
+Therefore the rule accepts inverted Vs between 50 and 65 deg that must slip.
 """
 
 from __future__ import annotations
@@ -31,16 +31,16 @@ def _length(a: FloatArray) -> float:
 
 @compiled
 def torque_induced_force(weight: FloatArray, center: FloatArray, pivot: FloatArray, contact: FloatArray) -> FloatArray:
-    """Return the force [N], (3,), on the other contact that results from gravity's torque about the pivot.
+    """Return the force [N], (3,), that gravity's torque about the pivot exerts on the leaning contact.
 
-    T = (C_stack - P_pivot) x G (Eq. 3). The force is perpendicular to the lever r = C_contact - P_pivot, along
-    T x r, so that |F| = |T| / |r| (Eq. 5 with sin(theta) = 1).
+    The torque is T = (C_stack - P_pivot) x G (Eq. 3). The force is perpendicular to the lever r = C_contact - P_pivot,
+    along T x r, so that |F| = |T| / |r| (Eq. 5 with sin(theta) = 1).
 
     Args:
         weight: gravitational force G on the body and its loads [N], shape (3,).
         center: point at which G acts [m], shape (3,).
         pivot: pivot point [m], shape (3,).
-        contact: centre of the other contact area [m], shape (3,).
+        contact: centre of the leaning contact's area [m], shape (3,).
     """
     torque = _cross(center - pivot, weight)
     lever = contact - pivot
@@ -52,10 +52,10 @@ def torque_induced_force(weight: FloatArray, center: FloatArray, pivot: FloatArr
 
 @compiled
 def split_force(force: FloatArray, normal: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return a force [N] on a contact, split into (normal force, sliding force), each (3,).
+    """Return the normal force and the sliding force of a force [N] on a contact, each (3,).
 
     The normal force is the projection onto the inverted normal, or zero if the force pulls away. The sliding force is
-    the rest, F_sliding = F - F_normal.
+    F_sliding = F - F_normal.
 
     Args:
         force: force of the body on the contact [N], shape (3,).
@@ -74,17 +74,17 @@ def holds_on_pivot(
     pivot_normal: FloatArray,
     pivot_friction: float,
 ) -> bool:
-    """Return True if the pivot does not slip under the load that the other contact leaves to it (Eqs 6 and 7).
+    """Return True if the pivot does not slip under its part of the load (Eqs 6 and 7).
 
-    |F_friction| = mu |F_normal| against the sliding direction (Eq. 6), and
-    F_pivot = -F_normal + G - F_friction (Eq. 7). The body is stable if and only if the friction at the
-    pivot exceeds the sliding force there.
+    The leaning contact bears F_normal and a friction against the sliding direction, |F_friction| = mu |F_normal|
+    (Eq. 6). The pivot bears F_pivot = -F_normal + G - F_friction (Eq. 7). The body is stable if and only if the
+    friction at the pivot exceeds the sliding force at the pivot.
 
     Args:
         weight: G [N], shape (3,).
-        force: torque-induced force on the other contact [N], shape (3,).
-        normal: unit normal of the other contact towards the body, shape (3,).
-        friction: Coulomb coefficient of the other contact.
+        force: torque-induced force on the leaning contact [N], shape (3,).
+        normal: unit normal of the leaning contact towards the body, shape (3,).
+        friction: Coulomb coefficient of the leaning contact.
         pivot_normal: unit normal of the pivot towards the body, shape (3,).
         pivot_friction: Coulomb coefficient of the pivot.
     """
@@ -99,11 +99,11 @@ def holds_on_pivot(
 
 @compiled
 def leans_stably(graph: Graph, body: int, gravity: float) -> bool:
-    """Return the result of the paper's leaning test for a body with its stack data; False without exactly two patches.
+    """Return True if a body with its loads passes the paper's leaning test, which requires exactly two patches.
 
     Args:
         graph: the stack.
-        body: a body whose patches are built.
+        body: a body with present patches.
         gravity: gravitational acceleration [m/s2], positive.
     """
     if count_patches(graph, body) != 2:

@@ -1,4 +1,4 @@
-"""The error for an unknown name, which lists the nearest match and every allowed name."""
+"""Look up a name in a table. The error for an unknown name gives the nearest match and all allowed names."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ Item = TypeVar("Item")
 
 
 class UnknownNameError(LookupError):
-    """A name that is in no table; the message lists the allowed names."""
+    """Error for an unknown name; the message gives the nearest match and all allowed names."""
 
 
 def unknown_name(kind: str, name: str, allowed: Iterable[str]) -> UnknownNameError:
-    """Return the error for ``name``, which is not a known ``kind``: nearest match first, then all allowed names."""
+    """Return the error for an unknown ``name`` of a ``kind``."""
     names = list(allowed)
     near = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
     hint = f"; did you mean '{near[0]}'?" if near else "."

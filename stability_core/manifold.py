@@ -1,9 +1,9 @@
 """Contact manifolds: unite the points of a pair over the dwell frames into contact patches.
 
-One frame's manifold is often degenerate: a brick on two others shows 4 + 4 points in one frame and, tilted by
-micrometres, 1 or 2 points in the next. The hull of the points of several frames is the true contact area. A pair that
-touches in several faces (two walls of one ground, a bracket) has a patch for each, because points are grouped by their
-normals.
+The manifold of a single frame is often degenerate. For example, a brick on two bricks has 4 + 4 points in one frame. In
+the next frame, tilted by micrometres, the brick has 1 or 2 points. The hull of the points of several frames is the true
+contact area. A pair that touches in several faces (two walls of one ground, a bracket) has a patch for each face,
+because the module groups points by their normals.
 """
 
 from __future__ import annotations
@@ -56,8 +56,8 @@ def _twice_area(hull: FloatArray) -> float:
 def _thinned(hull: FloatArray) -> FloatArray:
     """Return the hull (k, 3) without the vertices that add the least area.
 
-    At most MAX_VERTICES remain. While more than four vertices remain, the function also drops a vertex that adds less
-    than ``NEGLIGIBLE`` of the area.
+    At most MAX_VERTICES vertices remain. While more than ``ENOUGH_VERTICES`` vertices remain, the function also drops a
+    vertex that adds less than ``NEGLIGIBLE`` of the area.
     """
     size = len(hull)
     negligible = NEGLIGIBLE * _twice_area(hull) if size > ENOUGH_VERTICES else 0.0
@@ -78,9 +78,9 @@ def _thinned(hull: FloatArray) -> FloatArray:
 
 @compiled
 def shape_patch(patch: Patches, points: FloatArray) -> None:
-    """Write the hull of the contact points (k, 3), and its derived fields, into a patch with known kind and normal.
+    """Write the hull of contact points (k, 3), its centre and its width to a patch with known kind and normal.
 
-    The function takes the hull of a load-bearing patch in plan, and the hull of a steep patch in its own plane.
+    A load-bearing patch has the hull in plan. A steep patch has the hull in its own plane.
     """
     if patch.kind == SUPPORT:
         hull = _thinned(convex_hull(points))
@@ -105,7 +105,7 @@ def shape_patch(patch: Patches, points: FloatArray) -> None:
 
 @compiled
 def _lay_patch(graph: Graph, contacts: ContactRows, rows: IntArray, body: int, other: int, kind: int) -> None:
-    """Build one patch of ``body`` on ``other`` from the contacts ``rows``."""
+    """Build a patch of ``body`` on ``other`` from the contacts ``rows``."""
     points = np.empty((len(rows), 3))
     patch = link(graph, body, other, kind)
     x, y, z = 0.0, 0.0, 0.0
@@ -126,7 +126,7 @@ def _lay_patch(graph: Graph, contacts: ContactRows, rows: IntArray, body: int, o
 
 @compiled
 def _kind_for(contact: ContactRows, body: int) -> int:
-    """Return SUPPORT if ``body`` stands on the other body, LEAN if it leans, _LOAD if the other body stands on it."""
+    """Return SUPPORT if ``body`` stands on its partner, LEAN if it leans, _LOAD if the partner stands on it."""
     if not contact.level:
         return LEAN
     return SUPPORT if upper_of(contact.body_a, contact.body_b, contact.normal[2]) == body else _LOAD
@@ -134,7 +134,7 @@ def _kind_for(contact: ContactRows, body: int) -> int:
 
 @compiled
 def _share_a_face(first: ContactRows, second: ContactRows, face_angle: float) -> bool:
-    """Return True if two contacts of one pair have the same normal, to ``face_angle`` [rad]."""
+    """Return True if two contacts of a pair have the same normal, within ``face_angle`` [rad]."""
     sign = 1.0 if first.body_a == second.body_a else -1.0
     cosine = 0.0
     for k in range(3):
@@ -144,18 +144,18 @@ def _share_a_face(first: ContactRows, second: ContactRows, face_angle: float) ->
 
 @compiled
 def lay_patches(graph: Graph, contacts: ContactRows, mine: IntArray, body: int, face_angle: float) -> None:
-    """Rebuild the patches of ``body`` on all bodies that it stands on or leans against in ``contacts``.
+    """Rebuild the patches of ``body`` on its supports and leaning partners in ``contacts``.
 
-    A frozen body keeps its patches, so it gets patches on the stack only (ground and frozen bodies). Frozen bodies that
-    stand on ``body`` get patches on ``body`` as well. The cost is O(n times neighbours), independent of the height of
-    the stack.
+    A frozen body gets patches on the stack only (ground and frozen bodies), because a frozen body keeps its patches.
+    Frozen bodies that stand on a frozen ``body`` get patches on it as well. The cost is O(n times neighbours),
+    independent of the height of the stack.
 
     Args:
         graph: the stack, with at least n spare patches.
         contacts: rows of ``CONTACT``.
         mine: the contacts that touch the body, shape (n,).
         body: row of the body.
-        face_angle: greatest angle [rad] between normals of one face.
+        face_angle: greatest angle [rad] between two normals of a face.
     """
     drop_supports(graph, body)
     bodies, row = graph.bodies, graph.bodies[body]

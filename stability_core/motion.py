@@ -1,4 +1,4 @@
-"""Motion of the live bodies: their speeds, and how long each has been at rest."""
+"""Motion of the live bodies: the speed of each body, and its time at rest."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ from stability_core.stack import ABSENT, DOUBTED, FALLS, FROZEN, LIVE, NOT_REFUS
 
 @compiled
 def track(bodies: Bodies, masses: MassArrays, dt: float) -> int:
-    """Read mass and centre of the live bodies; a speed is the difference of two centres over ``dt``.
+    """Read mass, centre and speed of the live bodies; a speed is the difference of two centres over ``dt``.
 
-    A new body has no speed yet and counts as infinitely fast. ``kinematic.follow_host`` updates kinematic bodies.
+    A new body counts as infinitely fast, because its speed is unknown. ``kinematic.follow_host`` updates kinematic
+    bodies.
 
     Returns:
         Number of frozen bodies in ``masses``.
@@ -64,9 +65,9 @@ def _squared_distance(a: FloatArray, b: FloatArray) -> float:
 
 @compiled
 def _turns(body: Bodies, limits: Limits) -> bool:
-    """Return True in a frame in which a body on kinematic bodies has turned with them by ``steady_shift`` [rad].
+    """Return True if kinematic bodies have turned a body on them by ``steady_shift`` [rad] since the last such turn.
 
-    The turn counts as motion although the body's centre may keep its place and its contacts do not slide.
+    The turn counts as motion, although the body's centre may keep its place, and its contacts do not slide.
     """
     length = 0.0
     for k in range(3):
@@ -86,7 +87,7 @@ def _turns(body: Bodies, limits: Limits) -> bool:
 
 @compiled
 def _time_in_place(body: Bodies, limits: Limits, fall_speed: float, turns: bool, dt: float) -> None:
-    """Measure how long a live body has kept its place: in all, and among the same neighbours."""
+    """Measure the time for which a live body has kept its place: in all, and with the same neighbours."""
     shift = limits.steady_shift * body.size
     if (
         not turns
@@ -118,10 +119,10 @@ def _time_in_place(body: Bodies, limits: Limits, fall_speed: float, turns: bool,
 
 @compiled
 def time_at_rest(bodies: Bodies, ids: IntArray, limits: Limits, dt: float) -> None:
-    """Measure how long each live body has been at rest, by each of the three rules, and has kept its place.
+    """Measure the time for which each live body has been at rest, by each of three rules, and has kept its place.
 
-    The rules are: strictly at rest, at rest by the rule for leaning, and slow enough to lie on its support. A body that
-    has touched nothing yet has size zero, so that no speed counts as slow.
+    The rules are: strictly at rest, at rest by the rule for leaning, and slow enough to lie on a support. A body
+    without any contact so far has size zero, so that no speed counts as slow.
     """
     for i in range(len(ids)):
         body = bodies[ids[i]]
@@ -153,9 +154,10 @@ def time_at_rest(bodies: Bodies, ids: IntArray, limits: Limits, dt: float) -> No
 
 @compiled
 def _is_asked(elapsed: float, dwell: float, again: float, dt: float, rarely: bool, deferred: bool) -> bool:
-    """Return True in a frame in which a body must be tested: at ``elapsed`` = ``dwell`` [s], then every ``again`` [s].
+    """Return True if this frame must test a body: at ``elapsed`` = ``dwell`` [s], then every ``again`` [s].
 
-    With ``rarely``, the intervals double. For a ``deferred`` body, the result is True in every frame after ``dwell``.
+    With ``rarely``, the tests are 1, 2, 4, 8, ... times ``again`` after the first test. For a ``deferred`` body, the
+    result is True in every frame after ``dwell``.
     """
     late = elapsed - dwell + ROUNDING_S
     if late < dt or deferred:
@@ -170,9 +172,8 @@ def _is_asked(elapsed: float, dwell: float, again: float, dt: float, rarely: boo
 def _patience(body: Bodies, limits: Limits) -> float:
     """Return the additional rest time [s] of a body.
 
-    The time is ``calm_s`` after two unfreezings, and doubles at each further unfreezing, up to ``longest_calm_s``.
-
-    The time grows because a body that unfreezes repeatedly in its place lies in a pile that still moves.
+    The time is ``calm_s`` after two unfreezings, and doubles at each further unfreezing, up to ``longest_calm_s``. The
+    time grows because a body that unfreezes repeatedly in its place lies in a pile that still moves.
     """
     if body.wakes < 2:
         return 0.0
@@ -183,14 +184,14 @@ def _patience(body: Bodies, limits: Limits) -> float:
 def list_due(
     bodies: Bodies, ids: IntArray, limits: Limits, dt: float, at_rest: IntArray, leaning: IntArray
 ) -> tuple[int, int]:
-    """List the bodies whose stability must be decided now; return the lengths of both lists.
+    """List the bodies that need a decision about their stability now; return the lengths of both lists.
 
-    The function lists a body that the policy did not freeze again
+    If the policy does not freeze a listed body, the function lists the body again:
 
-    - in the next frame, if it was deferred;
-    - every ``rest_s``, if it was refused;
-    - after 2, 4, 8, ... times ``rest_s`` while it and its neighbours keep their places, if it would fall;
-    - once it and its neighbours have kept their places for ``doubt_s``, if it is in doubt.
+    - a deferred body in the next frame;
+    - a refused body every ``rest_s``;
+    - a body that would fall after 1, 2, 4, 8, ... times ``rest_s``, while its frozen neighbours stay the same;
+    - a body in doubt once the body and its neighbours have kept their places for ``doubt_s``.
 
     The last two waits are long, because solves are expensive.
 
@@ -229,14 +230,14 @@ def list_due(
 def list_shifted_loads(
     bodies: Bodies, ids: IntArray, limits: Limits, lying: IntArray, gone: IntArray
 ) -> tuple[int, int]:
-    """List the live bodies whose patches no longer show their supports; return the lengths of both lists.
+    """List the live bodies with outdated patches; return the lengths of both lists.
 
     Args:
         bodies: the table.
         ids: the live bodies, shape (m,).
         limits: the settings.
         lying: output, bodies that newly lie on the stack, at least m rows.
-        gone: output, bodies that no longer lie on it, at least m rows.
+        gone: output, bodies that no longer lie on the stack, at least m rows.
     """
     n, m = 0, 0
     for i in range(len(ids)):

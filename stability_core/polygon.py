@@ -1,6 +1,6 @@
-"""Convex polygons on the ground plane: hull, distance, width and centroid of contact points.
+"""Convex polygons in plan: hull, distance, width and centroid of contact points.
 
-Points are (n, 3) [m]; only x and y count, and the functions copy z.
+Points have the shape (n, 3) [m]. Only x and y count, and the functions copy z.
 """
 
 from __future__ import annotations
@@ -50,9 +50,9 @@ def _outer_rows(points: FloatArray) -> IntArray:
 
 @compiled
 def _ranked_in_plan(points: FloatArray) -> IntArray:
-    """Return the rows of the points, sorted by x, then y, without equal points.
+    """Return the rows of the points, sorted by x, then by y, without equal points.
 
-    If there are more than ``MANY`` points, the result contains only rows that may be corners of the hull.
+    For more than ``MANY`` points, the result contains only points that may be corners of the hull.
     """
     if len(points) > MANY:
         rows = _outer_rows(points)
@@ -117,7 +117,7 @@ def convex_hull(points: FloatArray) -> FloatArray:
 
 @compiled
 def _foot(x: float, y: float, a: FloatArray, b: FloatArray) -> float:
-    """Return the parameter, 0 at a and 1 at b, of the point of the segment nearest to (x, y)."""
+    """Return the parameter of the point of a segment a b nearest to (x, y): 0 at a, 1 at b."""
     dx, dy = b[0] - a[0], b[1] - a[1]
     length2 = dx * dx + dy * dy
     if length2 > 0.0:
@@ -146,7 +146,7 @@ def nearest_point(hull: FloatArray, x: float, y: float) -> tuple[float, float]:
 
 @compiled
 def is_inside(hull: FloatArray, x: float, y: float) -> bool:
-    """Return True if (x, y) lies in the hull (n, 3) or on its border; a point or a line has no inside."""
+    """Return True if (x, y) lies in the hull (n, 3) or on its border; False for a point or a line."""
     n = len(hull)
     for i in range(n):
         ax, ay = hull[i, 0], hull[i, 1]
@@ -158,7 +158,7 @@ def is_inside(hull: FloatArray, x: float, y: float) -> bool:
 
 @compiled
 def lies_on(hull: FloatArray, x: float, y: float) -> bool:
-    """Return True if (x, y) lies in the hull (n, 3) or on its border; a point or a line is its own border."""
+    """Return True if (x, y) lies in the hull (n, 3) or on its border; a point or a line counts as border."""
     return is_inside(hull, x, y) if len(hull) > 2 else bool(inside_distance(hull, x, y) == 0.0)
 
 
@@ -166,8 +166,8 @@ def lies_on(hull: FloatArray, x: float, y: float) -> bool:
 def inside_distance(hull: FloatArray, x: float, y: float) -> float:
     """Return the distance [m] from (x, y) to the border of the hull; positive inside, negative outside.
 
-    This is the vertical ray test: a vertical ray from the centre of mass hits the contact area if and only if the
-    distance is >= 0. Without points the distance is minus infinity. A point or a line has no inside.
+    The vertical ray test uses this distance: a vertical ray from the centre of mass hits the contact area if and only
+    if the distance is >= 0. Without points the distance is minus infinity. A point or a line has no inside.
     """
     n = len(hull)
     if n == 0:
@@ -197,7 +197,7 @@ def width(hull: FloatArray) -> float:
 
 @compiled
 def centroid(hull: FloatArray) -> tuple[float, float, float]:
-    """Return the area centroid of the hull in plan, at the mean height of its vertices; for a line, its middle."""
+    """Return the area centroid of the hull in plan, at the mean height of the vertices; for a line, the middle."""
     n = len(hull)
     x, y, z = 0.0, 0.0, 0.0
     for i in range(n):

@@ -1,9 +1,9 @@
 """The core's view of a physics engine: contacts, sleep and mass, and nothing else.
 
-Values are in SI units, as float64 arrays, one array for each field, in the coordinates of the engine; gravity defines
-the vertical. Body ids are integers from 0, of any size; the host must not reuse an id. Memory grows with the number of
-bodies in the world, not with the greatest id. "Sleep" means an exact freeze: a frozen body does not move at all, even
-if it is hit.
+- Values are in SI units, in the coordinates of the engine. Each field is a float64 array. Gravity defines the vertical.
+- Body ids are integers from 0, of any size. The host must not reuse an id. Memory grows with the number of bodies in
+  the world, not with the greatest id.
+- "Sleep" is an exact freeze: a frozen body does not move at all, even after a blow.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ rest on it to ``StabilityExtension.wake``.
 
 @dataclass(frozen=True, slots=True)
 class Contacts:
-    """The contact points of one frame, one row per point: every contact that touches a live body.
+    """The contact points of one frame, a row for each point: every contact of a live body.
 
-    NaN is allowed in ``separation`` and ``relative_velocity`` only, if an engine does not report them.
+    Only ``separation`` and ``relative_velocity`` may contain NaN, for values that an engine does not report.
     """
 
     body_a: IntArray
@@ -73,15 +73,15 @@ class Contacts:
 class Masses:
     """Mass and centre of mass of the live bodies, and the bodies that have left the world.
 
-    The port may leave out frozen bodies, because they do not move and the core remembers them. A listed frozen body
-    that has moved is live from then on. If the mass of a frozen body has changed, the core judges the stack with the
-    new mass.
+    The port may leave out frozen bodies, because they do not move and the core remembers them. If a listed frozen body
+    has moved, the core makes the body live. If the mass of a listed frozen body has changed, the core judges the stack
+    with the new mass.
 
-    A body that the host moves has infinite mass. List it in every frame, also while nothing else is live, so that the
-    core sees its motion. While the body keeps its place, it counts as ground; when the body begins to move, all bodies
-    on it unfreeze. A body that moves in its place, such as a belt or a turntable, must show this motion at its contacts
-    with frozen bodies (``Contacts.relative_velocity``); if the engine lists no such contacts, pass the body to
-    ``StabilityExtension.wake``.
+    A body that the host moves has infinite mass. List this body in every frame, even while nothing else is live, so
+    that the core sees its motion. While the body keeps its place, it counts as ground. When the body begins to move,
+    all bodies on it unfreeze. A body that moves in its place, such as a belt or a turntable, must show this motion at
+    its contacts with frozen bodies (``Contacts.relative_velocity``). If the engine does not list these contacts, pass
+    the body to ``StabilityExtension.wake``.
     """
 
     body: IntArray
@@ -98,17 +98,17 @@ class StabilityPort(Protocol):
     """The four calls through which the core reads and controls an engine."""
 
     def contacts(self) -> Contacts:
-        """Return every contact that touches a live body after the latest step."""
+        """Return every contact of a live body after the latest step."""
         ...
 
     def masses(self) -> Masses:
-        """Return the live bodies as they are after the latest step."""
+        """Return the masses and centres of the live bodies after the latest step."""
         ...
 
     def sleep(self, bodies: Sequence[int]) -> None:
-        """Freeze bodies exactly where they are."""
+        """Freeze bodies exactly in their present poses."""
         ...
 
     def wake(self, bodies: Sequence[int]) -> None:
-        """Return frozen bodies to the engine, at rest, with their former mass."""
+        """Unfreeze bodies, at rest, with their former mass."""
         ...

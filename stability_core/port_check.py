@@ -1,4 +1,4 @@
-"""Check a user's own port against the promises that the core relies on; messages name the fix."""
+"""Check a user's own port against the promises of ``StabilityPort``. Error messages name the fix."""
 
 from __future__ import annotations
 
@@ -38,22 +38,19 @@ Step: TypeAlias = Callable[[], object]
 
 
 class PortError(ValueError):
-    """A port that breaks a promise; the message states the promise, the observation and the fix."""
+    """Error for a port that breaks a promise; the message states the promise, the observation and the fix."""
 
 
 def check_port(port: StabilityPort, step: Step, frames: int = 120) -> list[str]:
     """Check a port on your own simulation: array shapes, signs of normals and separations, and exact freezing.
 
-    The check steps the simulation, which must come to rest with a body on the ground, or on anything else that never
-    moves. The check freezes that body for a while, and unfreezes it.
+    The check steps the simulation. A body must come to rest on the ground, or on anything else that never moves. The
+    check freezes this body for ``ASLEEP`` frames, and unfreezes the body again.
 
     Args:
         port: the port, without an extension.
-        step: advances the simulation by one frame.
+        step: function that advances the simulation by one frame.
         frames: number of frames within which a body comes to rest.
-
-    Returns:
-        One line for each checked promise, and for each promise that could not be observed.
 
     Raises:
         PortError: at the first broken promise.
@@ -115,7 +112,7 @@ def _on_ground(contacts: Contacts, body: int) -> IntArray:
 
 
 def _resting_body(contacts: Contacts, before: Masses | None, masses: Masses) -> tuple[int, float]:
-    """Return the body on the ground that moves least, and the distance [m] from its centre to its contacts there.
+    """Return the body on the ground that moves least, and the distance [m] from its centre to its ground contacts.
 
     Raises:
         PortError: if no body touches the ground, or no body on the ground is at rest.
@@ -214,7 +211,7 @@ def _check_sleep(port: StabilityPort, step: Step, body: int, size: float) -> lis
 
 
 def _row_of(masses: Masses, body: int) -> tuple[float, FloatArray] | None:
-    """Return mass [kg] and centre of mass [m], (3,), of a listed body."""
+    """Return mass [kg] and centre of mass [m], (3,), of a listed body; None for a body that is not in the list."""
     rows = np.flatnonzero(masses.body == body)
     return (
         None if len(rows) == 0 else (float(masses.mass[rows[0]]), np.array(masses.center_of_mass[rows[0]], np.float64))

@@ -1,9 +1,12 @@
-"""Pushes: contact forces of live bodies on frozen bodies beyond their weight.
+"""Pushes: contact forces of live bodies on frozen bodies, beyond the weight of the live bodies.
 
-A body that lies on a stack presses with its weight, which statics knows. A motor, a robot or a user that leans on a
-stack presses with a force that only the engine knows. If the engine reports contact forces, the forces at side faces
-count, and all forces of bodies that the user holds or the host moves. The module averages the force over ``load_s``, so
-that a short bump does not count.
+A body on a stack presses with its weight, which statics knows. A motor, a robot or a user presses on a stack with a
+force that only the engine knows. If the engine reports contact forces, two kinds of forces count as pushes:
+
+- forces at contacts that are not load-bearing;
+- all forces of bodies that the user holds or the host moves.
+
+The module averages the force over ``load_s``, so that a short bump does not count.
 """
 
 from __future__ import annotations
@@ -36,7 +39,7 @@ def is_push(bodies: Bodies, pusher: int, level: bool, limits: Limits) -> bool:
 
 @compiled
 def _begin(row: Bodies, limits: Limits, now: float, weight: float) -> None:
-    """Prepare the mean push for a frame that enters the mean with ``weight``; drop a push older than ``load_s``."""
+    """Prepare the mean push for a frame with the share ``weight`` in the mean; drop a push older than ``load_s``."""
     if now - row.pushed_s > limits.load_s:
         row.push[:], row.push_judged[:], row.push_judged_s, row.push_began_s = 0.0, 0.0, now, now
     row.pushed_s = now
@@ -45,7 +48,7 @@ def _begin(row: Bodies, limits: Limits, now: float, weight: float) -> None:
 
 @compiled
 def _is_due(row: Bodies, limits: Limits, now: float) -> bool:
-    """Return True if a push has changed since the body's balance was last judged, or has lasted ``still_s`` since then.
+    """Return True if a push has changed, or has lasted ``still_s``, since the core last judged the body's balance.
 
     A force shorter than ``load_s`` may be the bump of a body that has just arrived.
     """

@@ -1,9 +1,9 @@
 """Rows of the tables by body id: memory grows with the number of bodies in the world, not with the greatest id.
 
-The ids are in a hash table with linear probing (Knuth, The Art of Computer Programming 3, 6.4), at most half full. When
+A hash table with linear probing, at most half full, holds the ids (Knuth, The Art of Computer Programming 3, 6.4). When
 a body leaves the world, later entries of the hash table move up to close the gap (Algorithm R), and a new body may get
-the row. Bodies get rows in order of appearance, by rising id within a frame: as long as no body leaves, bodies 0, 1, 2
-... have rows 0, 1, 2 ...
+the row. Bodies get rows in order of appearance, by rising id within a frame. While no body leaves, bodies 0, 1, 2 ...
+have rows 0, 1, 2 ...
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def _home(slots: IntArray, body: int) -> np.int64:
 
 @compiled
 def _slot_of(slots: IntArray, body: int) -> int:
-    """Return the slot of a body, or the free slot for the body if it has no row."""
+    """Return the slot of a body; the free slot for the body if the body has no row."""
     last = len(slots) - 1
     at = _home(slots, body)
     while slots[at, 0] != body and slots[at, 0] != NONE:
@@ -52,7 +52,7 @@ def _slot_of(slots: IntArray, body: int) -> int:
 
 @compiled
 def find_rows(slots: IntArray, ids: IntArray, rows: IntArray) -> int:
-    """Write the row of each of ``ids`` (k,) into ``rows`` (k,): GROUND for the ground, UNKNOWN without a row.
+    """Write the row of each of ``ids`` (k,) to ``rows`` (k,): GROUND for the ground, UNKNOWN for an unknown body.
 
     Return the index in ``ids`` of the first unknown body, or -1.
     """
@@ -70,9 +70,9 @@ def find_rows(slots: IntArray, ids: IntArray, rows: IntArray) -> int:
 
 @compiled
 def give_rows(slots: IntArray, spare: IntArray, ids: IntArray, rows: IntArray) -> int:
-    """Give a row to each body of ``ids`` (k,) whose entry in ``rows`` (k,) is UNKNOWN, by rising id; update ``rows``.
+    """Give a row to each body of ``ids`` (k,) with the entry UNKNOWN in ``rows`` (k,), by rising id; update ``rows``.
 
-    Return the number of missing rows; if any row is missing, no body gets a row.
+    Return the number of missing rows. If any row is missing, no body gets a row.
     """
     new = ids[rows == UNKNOWN]
     if len(new) > spare[0]:

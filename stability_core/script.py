@@ -1,6 +1,6 @@
-"""A scripted world that exercises all of the core: a stack is built, struck and undermined.
+"""A scripted world that exercises the whole core: the script builds, strikes and undermines a stack.
 
-Playing the script once compiles all kernels, or reads them from Numba's cache.
+One run of the script compiles all kernels, or reads them from Numba's cache.
 """
 
 from __future__ import annotations
@@ -139,7 +139,7 @@ class ScriptedExtension(Protocol):
 
 
 def play_script(extension: ScriptedExtension, port: ScriptedPort) -> None:
-    """Let an extension that watches ``port`` freeze and unfreeze bodies in every way."""
+    """Let an ``extension`` of ``port`` freeze and unfreeze bodies in every way."""
 
     def rest() -> None:
         for _ in range(_RESTING_FRAMES):

@@ -1,9 +1,9 @@
 """All tolerances of the core, each with unit, default and reason: one set for all engines and all sizes.
 
-Lengths are in sizes of a body, which the core infers from its contacts (``contact_filter.note_sizes``), and speeds in
-sqrt(gravity times size), so that the core judges a stack that is a hundred times larger and falls ten times more slowly
-in the same way. Times are seconds, at any frame rate. For the paper's plank of 117 mm, each default equals the length
-or speed that its reason states.
+The unit of lengths is the size of a body, which the core infers from the body's contacts
+(``contact_filter.note_sizes``). The unit of speeds is sqrt(gravity times size). With these units the core judges a
+stack of any scale in the same way: a stack a hundred times larger falls ten times more slowly. Times are in seconds, at
+any frame rate. For the paper's plank of 117 mm, each default equals the length or the speed in the default's reason.
 """
 
 from __future__ import annotations
@@ -206,11 +206,11 @@ class Settings:
 
     @property
     def longest_dwell(self) -> float:
-        """Time [s] for which contacts must be kept: the longest dwell of the three rules."""
+        """Time [s] for which the core must keep contacts: the longest dwell of the three rules."""
         return max(self.rest_s, self.lean_s, self.load_s)
 
     def limits(self, gravity: float) -> Limits:
-        """Return the settings as a structured array of shape (1,), for the kernels; gravity [m/s2] is positive."""
+        """Return the settings as a structured array of shape (1,), for the kernels; ``gravity`` [m/s2] is positive."""
         return np.array([(*astuple(self), gravity)], _LIMITS)
 
 

@@ -1,6 +1,6 @@
 """The steps that every policy takes in a frame, before and after its own decision.
 
-The steps are compiled, so that a policy can settle a frame in one call.
+All steps are kernels, so that a policy can settle a frame in one compiled call.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from stability_core.stack import FROZEN, LIVE, Graph, note_change_of_supports, s
 
 @compiled
 def _with_rule(graph: Graph, buffers: FrameBuffers, rule: int, state: int) -> IntArray:
-    """Return the bodies in this ``state`` whose strictest rule is ``rule``, by rising id, shape (k,)."""
+    """Return the bodies in a ``state`` with the strictest rule ``rule``, by rising id, shape (k,)."""
     bodies, ids = graph.bodies, listed(buffers, rule)
     found = np.empty(len(ids), np.int64)
     n = 0
@@ -32,9 +32,8 @@ def _with_rule(graph: Graph, buffers: FrameBuffers, rule: int, state: int) -> In
 def lay_due(graph: Graph, buffers: FrameBuffers, limits: Limits) -> None:
     """Build the patches of bodies on the worklist, and remove the patches of bodies that no longer lie on the stack.
 
-    Each rule needs the contacts of a certain number of frames.
-
-    The cost is O(contacts of the dwell frames), independent of the number of frozen bodies.
+    Each rule needs the contacts of its own dwell time. The cost is O(contacts of the dwell frames), independent of the
+    number of frozen bodies.
     """
     bodies = graph.bodies
     for body in listed(buffers, GONE):
@@ -50,9 +49,10 @@ def lay_due(graph: Graph, buffers: FrameBuffers, limits: Limits) -> None:
 
 @compiled
 def lay_frozen(graph: Graph, buffers: FrameBuffers, limits: Limits) -> None:
-    """Rebuild the patches of newly frozen bodies, on the stack alone; remove patches built for a failed test.
+    """Rebuild the patches of newly frozen bodies, on the stack alone; remove the patches of a failed leaning test.
 
-    A body that touches only the stack keeps its patches. A body that only passes by is no load, so it keeps no patches.
+    A body that touches only the stack keeps its patches. A body that only passes by keeps no patches, because it is no
+    load.
     """
     limit = limits[0]
     for rule, dwell in ((AT_REST, limit.rest_s), (LEANING, limit.lean_s)):
@@ -94,7 +94,7 @@ def lowest_first(graph: Graph, ids: IntArray) -> IntArray:
 
 @compiled
 def write_down(row: IntArray, ids: IntArray) -> int:
-    """Write the ``ids`` (k,) into the array ``row``, which the caller owns; return k. ADR-0002 gives the reason."""
+    """Write the ``ids`` (k,) to the caller's array ``row``; return k. ADR-0002 gives the reason."""
     for i in range(len(ids)):
         row[i] = ids[i]
     return len(ids)

@@ -1,8 +1,8 @@
 """The stack as a graph in two flat tables: bodies, and the contact patches that join them.
 
-A patch joins an upper body to its support or leaning partner. Each body has two linked lists of patches, one of its
-supports and one of its loads, so that the cost of a change depends only on the bodies touched, not on the height of the
-stack. Frozen pairs keep the patch of their freezing, because engines drop such contacts.
+A patch joins an upper body to its support or leaning partner. Each body has two linked lists of patches: for its
+supports and for its loads. The cost of a change depends only on the changed bodies and their neighbours, not on the
+height of the stack. Frozen pairs keep the patch of their freezing, because engines drop contacts of frozen pairs.
 """
 
 from __future__ import annotations
@@ -145,19 +145,19 @@ def hull_of(patch: Patches) -> FloatArray:
 
 @compiled
 def is_ground(bodies: Bodies, body: int) -> bool:
-    """Return True for the ground and for kinematic bodies that keep their place, which no force moves."""
+    """Return True for the ground and for FIXED bodies, which no force moves."""
     return bool(body == GROUND or bodies[body].state == FIXED)
 
 
 @compiled
 def is_immovable(bodies: Bodies, body: int) -> bool:
-    """Return True for the ground and for kinematic bodies, which only the host moves."""
+    """Return True for the ground and for kinematic bodies, FIXED or MOVING."""
     return bool(body == GROUND or bodies[body].state == FIXED or bodies[body].state == MOVING)
 
 
 @compiled
 def is_stack(bodies: Bodies, body: int) -> bool:
-    """Return True for the ground, FIXED bodies and frozen bodies, on which other bodies may freeze."""
+    """Return True if other bodies may freeze on ``body``: the ground, a FIXED body or a frozen body."""
     return bool(body == GROUND or bodies[body].state == FROZEN or bodies[body].state == FIXED)
 
 
@@ -211,7 +211,7 @@ def take_changed(graph: Graph) -> IntArray:
 
 @compiled
 def link(graph: Graph, upper: int, lower: int, kind: int) -> Patches:
-    """Add a patch between two bodies to the lists of both; return the row to be filled."""
+    """Add a patch of an upper and a lower body to the lists of both bodies; return the new row."""
     bodies, spare = graph.bodies, graph.spare
     at = spare[spare[0]]
     spare[0] -= 1
@@ -283,7 +283,7 @@ def drop_loads(graph: Graph, body: int) -> None:
 
 @compiled
 def axes_of(normal: FloatArray) -> FloatArray:
-    """Return a right-handed set of three unit vectors, rows of (3, 3), whose last is the unit ``normal``."""
+    """Return three right-handed perpendicular unit vectors, rows of (3, 3); the last vector is the unit ``normal``."""
     axes = np.zeros((3, 3))
     least = 0
     for k in range(1, 3):
@@ -308,10 +308,10 @@ def _is_in_doubt(bodies: Bodies, body: int) -> bool:
 
 @compiled
 def with_all_above(graph: Graph, roots: IntArray) -> IntArray:
-    """Return ``roots`` and every frozen body that rests on them, directly or through other bodies.
+    """Return ``roots`` and every frozen body that rests on them, directly or through other bodies, shape (k,).
 
-    The result includes a frozen body in doubt if it includes a neighbour of that body, because nothing proves that the
-    body stands without its neighbours.
+    The result also includes each body in doubt that bears a body of the result, because nothing proves that a body in
+    doubt stands without its neighbours.
     """
     reached = np.zeros(len(graph.bodies), np.bool_)
     found = np.empty(len(graph.bodies), np.int64)
@@ -379,16 +379,16 @@ def empty_graph() -> Graph:
 
 
 def _longer(table: Any, rows: int, used: IntArray | slice) -> Any:
-    """Return a table with ``rows`` rows and a copy of the ``used`` rows; the other rows are zero."""
+    """Return a table with ``rows`` rows and a copy of the ``used`` rows; all other rows are zero."""
     longer = np.zeros(rows, table.dtype)
     longer[used] = table[used]
     return longer
 
 
 def grown(graph: Graph, bodies: int, spare: int) -> Graph:
-    """Return the graph with ``bodies`` rows of bodies and at least ``spare`` free patches.
+    """Return the graph with at least ``bodies`` rows of bodies and at least ``spare`` free patches.
 
-    Tables double, so that growing costs O(1) per row in the long run.
+    The size of a table at least doubles, so that growth costs O(1) per row in the long run.
     """
     body_rows, patch_rows, free, changed = graph
     if bodies <= len(body_rows) and spare <= free[0]:

@@ -1,7 +1,7 @@
 """Stack mass and stack centre, carried down through the graph (Thomsen and Kraus 2015, Eqs 1-5).
 
-Each body carries itself and the loads of the bodies above. A body on one support puts its whole load on that support; a
-body on several supports shares its load by one of the paper's three merge cases.
+Each body carries its own mass and the loads of the bodies above. A body on one support puts its whole load on this
+support. A body on several supports shares its load by one of the paper's three merge cases.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from stability_core.stack import MAX_VERTICES, NONE, SUPPORT, Graph, count_patch
 
 @compiled
 def support_polygon(graph: Graph, body: int) -> FloatArray:
-    """Return the combined contact area: hull (k, 3) in plan of all patches on which ``body`` stands on the stack."""
+    """Return the combined contact area: the hull (k, 3), in plan, of a body's load-bearing patches on the stack."""
     bodies, patches = graph.bodies, graph.patches
     points = np.empty((MAX_VERTICES * count_patches(graph, body), 3))
     n, at = 0, bodies[body].first_support
@@ -36,7 +36,7 @@ def support_polygon(graph: Graph, body: int) -> FloatArray:
 
 @compiled
 def pivot_of(graph: Graph, body: int) -> int:
-    """Return the lowest patch of a leaning body, on which it pivots; NONE without patches."""
+    """Return the row of a leaning body's lowest patch, on which the body pivots; NONE without patches."""
     patches = graph.patches
     lowest, height = NONE, np.inf
     at = graph.bodies[body].first_support
@@ -49,7 +49,7 @@ def pivot_of(graph: Graph, body: int) -> int:
 
 @compiled
 def nearest_vertex(hull: FloatArray, point: FloatArray) -> FloatArray:
-    """Return the contact point (3,) that is closest to ``point`` in plan."""
+    """Return the vertex (3,) of ``hull`` that is nearest to ``point`` in plan."""
     best, least = 0, np.inf
     for i in range(len(hull)):
         distance = np.hypot(hull[i, 0] - point[0], hull[i, 1] - point[1])
@@ -63,17 +63,19 @@ def nearest_vertex(hull: FloatArray, point: FloatArray) -> FloatArray:
 def equivalent_mass(mass: float, center: FloatArray, pivot: FloatArray, contact: FloatArray) -> float:
     """Return m_equiv [kg]: the load of a body with two supports on one of them (Eqs 3-5).
 
-    Gravity G acts at ``center`` and turns the body about ``pivot`` on the other support,
-    T = (C_stack - P_pivot) x G. A vertical force F at ``contact`` balances it:
-    |F| = |T| / (|C_contact - P_pivot| sin(theta)), and m_equiv = |F| / g. With all forces vertical,
-    |T| / |G| and |C_contact - P_pivot| sin(theta) are distances in plan. The two shares need not sum to the mass,
-    because each share has its own pivot.
+    Gravity G acts at ``center`` and turns the body about ``pivot`` on the second support with the torque T. A vertical
+    force F at ``contact`` balances this torque:
+
+        T = (C_stack - P_pivot) x G,    |F| = |T| / (|C_contact - P_pivot| sin(theta)),    m_equiv = |F| / g
+
+    All forces are vertical. Therefore |T| / |G| and |C_contact - P_pivot| sin(theta) are distances in plan. Both shares
+    need not sum to the mass, because each share has its own pivot.
 
     Args:
-        mass: m_stack of the body above [kg].
-        center: its C_stack [m], shape (3,).
-        pivot: contact point on the other support closest to ``center`` [m], shape (3,).
-        contact: centre of the contact area with the support that is updated [m], shape (3,).
+        mass: m_stack [kg] of the upper body.
+        center: C_stack [m] of the upper body, shape (3,).
+        pivot: contact point [m] on the second support nearest to ``center``, shape (3,).
+        contact: centre [m] of the contact area with the support that bears the share, shape (3,).
     """
     torque = np.hypot(center[0] - pivot[0], center[1] - pivot[1])
     lever = np.hypot(contact[0] - pivot[0], contact[1] - pivot[1])
@@ -90,8 +92,8 @@ def share_on(graph: Graph, at: int) -> tuple[float, float, float, float]:
     - Merge branch: the whole load on the support whose own contact area contains C_stack. If no area contains
       C_stack, the equivalent mass for two supports, or equal shares for more supports, each at the centre of the
       contact area.
-    - Leaning body: the whole load on the pivot, at the contact point closest to its C_stack, because the paper does not
-      say how a leaning load is carried down.
+    - Leaning body: the whole load on the pivot, at the contact point nearest to C_stack. This case is ours, because the
+      paper does not describe how a leaning body passes its load down.
     """
     bodies, patches = graph.bodies, graph.patches
     patch = patches[at]
@@ -128,7 +130,7 @@ def share_on(graph: Graph, at: int) -> tuple[float, float, float, float]:
 def stack_above(graph: Graph, body: int) -> tuple[float, float, float, float]:
     """Return m_stack [kg] and C_stack: x, y, z [m], of a body with all its loads (Eqs 2 and 1).
 
-    The function applies the paper's equations for one body above to every body above (split branch):
+    The paper gives the equations for one body above. The function applies them to every body above (split branch):
 
     m_stack = m_obj + sum m_above,    C_stack = (C_obj m_obj + sum C_above m_above) / m_stack
     """
@@ -149,7 +151,7 @@ def stack_above(graph: Graph, body: int) -> tuple[float, float, float, float]:
 def carry_down(graph: Graph, changed: IntArray) -> IntArray:
     """Carry mass and centre down from the ``changed`` bodies; return all affected bodies, (k,).
 
-    The order is highest first, so that each body is updated once. A branch ends at a body whose stack data did not
+    The function updates the highest body first, and each body once. A branch ends at a body whose stack data do not
     change. The cost is O(k log k) for the k affected bodies, independent of all other bodies.
     """
     bodies, patches = graph.bodies, graph.patches

@@ -1,8 +1,9 @@
 """Turn the core's memory when gravity changes its direction.
 
-A patch keeps its points and its normal. Its kind, its upper body and its hull in plan depend on the direction of
-gravity, so the module derives them again: a face that carried a body may become a side, and the other way round. The
-module drops patches of live bodies, because later steps rebuild them from the contacts of the dwell frames.
+A patch keeps its points and its normal. The module derives the patch's kind, upper body and hull in plan again, because
+they depend on the direction of gravity: a face that carried a body may become a side, and a side may become a support.
+The module drops patches of live bodies, because later steps rebuild these patches from the contacts of the dwell
+frames.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ def _turn_vector(vector: FloatArray, turn: FloatArray) -> None:
 
 @compiled
 def _turn_bodies(bodies: Bodies, turn: FloatArray) -> None:
-    """Turn all positions; reset the policy's refusals, and the times for which the engine held bodies in place."""
+    """Turn all positions; reset the policy's refusals, and the times for which bodies have kept their places."""
     for i in range(len(bodies)):
         row = bodies[i]
         if row.state == ABSENT:
@@ -52,7 +53,7 @@ def _turn_bodies(bodies: Bodies, turn: FloatArray) -> None:
 
 @compiled
 def _turn_contacts(bodies: Bodies, buffers: FrameBuffers, turn: FloatArray, level_tilt: float) -> None:
-    """Turn the contacts of the dwell frames, and decide again which are load-bearing."""
+    """Turn the contacts of the dwell frames, and decide again which contacts are load-bearing."""
     contacts, sizes = buffers.contacts, buffers.sizes
     room = len(contacts) // len(sizes)
     for frame in range(len(sizes)):
@@ -66,7 +67,7 @@ def _turn_contacts(bodies: Bodies, buffers: FrameBuffers, turn: FloatArray, leve
 
 @compiled
 def _patches_of_frozen(graph: Graph) -> IntArray:
-    """Drop the patches of live bodies; return the rows of all others, shape (k,)."""
+    """Drop the patches of live bodies; return the rows of all other patches, shape (k,)."""
     bodies, patches = graph.bodies, graph.patches
     rows = np.empty(len(patches), np.int64)
     n = 0
@@ -116,7 +117,7 @@ def turn_memory(graph: Graph, buffers: FrameBuffers, turn: FloatArray, level_til
     Args:
         graph: the stack.
         buffers: the contacts of the dwell frames.
-        turn: rotation from the former upright frame to the present one, shape (3, 3).
+        turn: rotation from the former to the present upright coordinates, shape (3, 3).
         level_tilt: slope [rad] up to which a contact is load-bearing at any friction.
     """
     _turn_bodies(graph.bodies, turn)

@@ -1,7 +1,7 @@
-"""The upright frame, in which gravity points down the z axis; the kernels use no other frame.
+"""Upright coordinates, in which gravity points down the z axis; the kernels use no other coordinates.
 
-The port uses the coordinates of its world. ``Upright`` turns points, normals, centres and velocities at the boundary.
-For gravity (0, 0, -g) both frames are the same, and no turn is needed.
+The port uses the coordinates of its world. ``Upright`` turns points, normals, centres, velocities and forces to
+upright coordinates. For gravity (0, 0, -g) both systems are the same.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def rotation_to_upright(up: FloatArray) -> FloatArray:
 
 @compiled
 def turned(points: FloatArray, axes: FloatArray) -> FloatArray:
-    """Return the points (k, 3) in the frame of three unit vectors, the rows of ``axes``."""
+    """Return the coordinates of points (k, 3) along three unit vectors, the rows of ``axes`` (3, 3)."""
     result = np.empty_like(points)
     for i in range(len(points)):
         for k in range(3):
@@ -33,7 +33,7 @@ def turned(points: FloatArray, axes: FloatArray) -> FloatArray:
 
 
 def checked_gravity(gravity: Sequence[float]) -> tuple[float, float, float]:
-    """Return gravity [m/s2] as three numbers.
+    """Check gravity [m/s2]; return it as three numbers.
 
     Raises:
         ValueError: if gravity is not a finite vector, or zero.
@@ -46,10 +46,10 @@ def checked_gravity(gravity: Sequence[float]) -> tuple[float, float, float]:
 
 
 class Upright:
-    """A gravity vector, and the rotation from the world to the upright frame."""
+    """A gravity vector, and the rotation from world coordinates to upright coordinates."""
 
     def __init__(self, gravity: tuple[float, float, float]) -> None:
-        """Derive the upright frame.
+        """Derive the upright coordinates.
 
         Args:
             gravity: gravity vector [m/s2], finite and not zero.
@@ -59,17 +59,17 @@ class Upright:
         self.strength = float(np.linalg.norm(vector))
         self.up = -vector / self.strength
         self.is_world = gravity[0] == gravity[1] == 0.0 and gravity[2] < 0.0
-        """True if the upright frame is the frame of the world."""
+        """True if upright coordinates are the coordinates of the world."""
         self.rotation = np.eye(3) if self.is_world else rotation_to_upright(self.up)
 
     def differs(self, gravity: tuple[float, float, float], tilt: float, share: float) -> bool:
-        """Return True if the direction differs by more than ``tilt`` [rad], or the strength by more than ``share``."""
+        """Return True if another gravity differs by more than ``tilt`` [rad] in direction, or ``share`` in strength."""
         vector = np.array(gravity)
         angle = np.arctan2(np.linalg.norm(np.cross(vector, self.up)), -(vector @ self.up))
         return bool(angle > tilt or abs(np.linalg.norm(vector) / self.strength - 1.0) > share)
 
     def turn_contacts(self, contacts: Contacts) -> Contacts:
-        """Return contacts of the world in the upright frame."""
+        """Return contacts of the world in upright coordinates."""
         if self.is_world:
             return contacts
         return Contacts(
@@ -84,7 +84,7 @@ class Upright:
         )
 
     def turn_masses(self, masses: Masses) -> Masses:
-        """Return masses of the world in the upright frame."""
+        """Return masses of the world in upright coordinates."""
         if self.is_world:
             return masses
         return Masses(masses.body, masses.mass, self._turn(masses.center_of_mass), masses.removed)

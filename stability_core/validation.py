@@ -1,4 +1,4 @@
-"""Validate the port's arrays: raise an error for bad input before it changes any state."""
+"""Validate the port's arrays: raise an error for bad input before any state changes."""
 
 from __future__ import annotations
 
@@ -36,7 +36,8 @@ def fit_together(contacts: ContactArrays, masses: MassArrays) -> bool:
 def first_bad_contact(contacts: ContactArrays) -> int:
     """Return the first malformed row, or -1.
 
-    A row is malformed if its ids or its friction are bad, its point is not finite, or its normal is not a unit vector.
+    A row is malformed if an id is bad, the friction is negative or not finite, the point is not finite, or the normal
+    is not a unit vector.
     """
     body_a, body_b = contacts.body_a, contacts.body_b
     point, normal, friction = contacts.point, contacts.normal, contacts.friction
@@ -67,9 +68,9 @@ def first_bad_mass(masses: MassArrays) -> int:
 
 @compiled
 def presses_down_from_below(center: FloatArray, point: FloatArray, normal: FloatArray, sign: float) -> bool:
-    """Return True if a contact with the ground below a body's centre pushes the body down, away from its inside.
+    """Return True if a contact with the ground, below a body's centre, pushes the body down and away from the centre.
 
-    The contacts of a convex body never push the body down from below, unless their normals point from b to a.
+    A contact of a convex body does so only if its normal points from b to a.
 
     Args:
         center: centre of mass of the body [m], shape (3,).
@@ -87,7 +88,7 @@ def check_ids(name: str, ids: object) -> None:
     """Check that ids are integers, because 0.5 would count as 0.
 
     Raises:
-        ValueError: naming the array and its required content.
+        ValueError: if an array does not contain integers; the message names the array and the fix.
     """
     dtype = getattr(ids, "dtype", None)
     if dtype is _IDS:
@@ -105,7 +106,7 @@ def checked_removals(removed: Iterable[object]) -> list[int]:
     """Return the ids of removed bodies as plain integers.
 
     Raises:
-        ValueError: for an id that is not an integer from 0.
+        ValueError: for an id that is no integer from 0.
     """
     ids = []
     for body in removed:
@@ -127,7 +128,7 @@ def check_shapes(contacts: Contacts, masses: Masses) -> None:
     """Check that the shapes and types of the arrays fit together.
 
     Raises:
-        ValueError: naming the array and its required shape or type.
+        ValueError: for a wrong shape or type; the message names the array and the required shape or type.
     """
     arrays = {f"contacts.{item.name}": getattr(contacts, item.name) for item in fields(contacts)}
     if contacts.force is None:
@@ -165,7 +166,7 @@ def check_shapes(contacts: Contacts, masses: Masses) -> None:
 
 
 def fault_of(fault: int, row: int, contacts: Contacts, masses: Masses) -> ValueError:
-    """Return the error for a malformed row; its message states the row's content and the fix."""
+    """Return the error for a malformed row; the message states the row's content and the fix."""
     if fault == BAD_MASS:
         return ValueError(
             f"masses row {row}: body {masses.body[row]} needs an id of at least 0, a positive mass and a finite "

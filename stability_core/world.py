@@ -1,7 +1,7 @@
 """An extension's memory of its world: the stack, the latest contacts, and the row of each body.
 
-The port names bodies by ids, in the coordinates of its world; the kernels use rows, in the upright frame. This module
-translates ids to rows and world coordinates to the upright frame.
+The port uses ids of bodies and world coordinates. The kernels use rows and upright coordinates. This module translates
+between both.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class World:
         """Return the rows of bodies that an update has seen, shape (k,).
 
         Raises:
-            KeyError: naming the unknown bodies.
+            KeyError: for unknown bodies; the message names them.
         """
         wanted = np.array([operator.index(body) for body in bodies], np.int64)
         rows = self._find(wanted)
@@ -62,7 +62,7 @@ class World:
         return rows
 
     def observe(self, contacts: Contacts, masses: Masses, dt: float) -> tuple[int, int, int]:
-        """Read one frame; return the worklist's length, the contacts kept, and the frozen bodies listed.
+        """Read one frame; return the worklist's length, and the numbers of kept contacts and listed frozen bodies.
 
         Raises:
             ValueError: if the port's arrays are malformed; nothing changes.
@@ -113,7 +113,7 @@ class World:
         return due, kept, row
 
     def frozen_listed(self, masses: Masses) -> list[tuple[int, float, float]]:
-        """Return the listed frozen bodies: row, mass [kg], and distance [m] from the position at freezing."""
+        """Return the row, the mass [kg], and the distance [m] from the frozen position of each listed frozen body."""
         rows = self._find(laid_out(masses.body, IDS))
         center = self.upright.turn_masses(masses).center_of_mass
         table = self.graph.bodies

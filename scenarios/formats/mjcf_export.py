@@ -21,8 +21,8 @@ def to_mjcf(scene: Scene) -> str:
     """Return a scene as the text of an MJCF file.
 
     The file gives the mass and the moments of inertia of each brick. The file has no actions, and no bricks that the
-    scene removes or pulls out. The file has a contact pair for each pair of unequal coefficients of friction, because a
-    pair has the greater coefficient in MuJoCo, and the geometric mean of both coefficients in a scene.
+    scene removes or pulls out. A pair of bodies has the greater coefficient of friction in MuJoCo, but the geometric
+    mean of both coefficients in a scene. Therefore the file has a contact pair for each pair of unequal coefficients.
     """
     root = ET.Element("mujoco", model=scene.variant)
     root.append(ET.Comment(f" {scene.expectation.outcome}: {scene.expectation.theory} ".replace("--", "- -")))

@@ -61,8 +61,8 @@ def free_brick(model: Any, data: Any, body: int, name: str, geoms: Sequence[Geom
     """Return a free body as a brick.
 
     Raises:
-        ImportRefusedError: if the body has not exactly one geometry, its shape is not convex, or its centre of mass or
-            its principal axes are not those of its shape; the message names the body and the fix.
+        ImportRefusedError: if the body has several geometries or none, its shape is not convex, or its centre of mass
+            or principal axes differ from those of its shape; the message names the body and the fix.
     """
     if len(geoms) != 1:
         raise ImportRefusedError(

@@ -1,4 +1,4 @@
-"""The optional package OpenUSD: a test whether it is installed, and the message if it is missing."""
+"""The optional package OpenUSD: a test for the package, and the message if the package is missing."""
 
 from __future__ import annotations
 

@@ -6,8 +6,8 @@ The module takes the bricks from the lowest brick up, and moves each brick in tw
    along the normal of the overlap.
 2. The brick sinks by at most ``GAP``, or rises by at most ``OVERLAP``, until it touches the body or the ground below.
 
-The module refuses a larger overlap or gap with an error that names both bodies, and writes a note about each brick that
-moves by more than ``REPORTED``.
+The module refuses a larger overlap or gap with an error that names both bodies. Each brick that moves by more than
+``REPORTED`` gets a note.
 """
 
 from __future__ import annotations

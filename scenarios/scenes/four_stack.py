@@ -1,7 +1,7 @@
 """The paper's 4-stack: four planks a level in a pinwheel, whose sense of rotation alternates.
 
-Each plank's end meets the next plank's side across a gap. The next level turns the other way round, so that every plank
-lies on one plank for most of its length, and lies with its end on a second plank.
+Each plank's end meets the next plank's side across a gap. The next level turns in the opposite sense, so that every
+plank lies mostly on one plank, and with its end on a second plank.
 
 Theory: on each of the four sides the planks shift along their length, alternately left and right, by half a gap plus
 half a width: 12.7 mm. The centre of mass of any upper part of a side lies at most 12.7 mm from the middle line. The

@@ -112,7 +112,7 @@ def _vector(numbers: FloatArray) -> Vector:
 
 
 def _along_groove(tilt: float, size: Vector, along: float, side: int, off_line: FloatArray) -> Brick:
-    """Return a box that is turned about the groove's length by ``RISE``, and then tilted with the groove by ``tilt``.
+    """Return a box that has turned about the groove's length by ``RISE``, and then tilts with the groove by ``tilt``.
 
     Args:
         tilt: tilt of the groove [rad]; the groove rises toward +x.

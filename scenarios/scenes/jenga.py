@@ -55,7 +55,7 @@ def jenga(
         levels: number of levels, of three planks each.
         left: remaining plank of the last robbed level, "middle" or "side"; lower robbed levels keep the middle plank.
         robbed: number of robbed levels: the second level, the fourth level, and so on.
-        speed: speed of the pull [m/s]; with 0 planks are removed at once.
+        speed: speed of the pull [m/s]; 0 to remove planks at once.
         gap: distance between the planks of a level [mm]; at 0 their sides touch.
     """
     robbed = Whole(1, (levels - LOWEST + 1) // 2).check("robbed", robbed)

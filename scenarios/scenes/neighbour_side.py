@@ -1,7 +1,8 @@
 """A brick that overhangs its pedestal and touches a heavy neighbour; then the scene removes the brick's counterweight.
 
-Theory: alone, the brick stands if its centre of mass is above the pedestal, and tips about the pedestal's edge if the
-centre is beyond the edge. The margin is the distance of the centre from the edge, inward, over half the brick's length.
+Theory: alone, the brick stands if its centre of mass is above the pedestal. The brick tips about the pedestal's edge if
+the centre is beyond the edge. The margin is the distance of the centre from the edge, inward, over half the brick's
+length.
 
 The neighbour touches the brick's inner end, but cannot hold the brick. Take the edge as origin. When the brick begins
 to turn about the edge by an angle w, a point (-a, z) of its inner end moves by (w z, w a): up, and away from the

@@ -1,8 +1,8 @@
 """The margins of each brick of a stack at rest: the additional load and the tilt up to which an equilibrium exists.
 
-The symbols are those of ``contact_wrenches``: f are the forces at the corners of contact patches, each in its Coulomb
-cone |f_t| <= mu f_n. The map A gives the forces and moments of f on the bodies, and w are the weights. A stack has an
-equilibrium if A f + w = 0 has a solution.
+The forces f act at the corners of contact patches, each in its Coulomb cone |f_t| <= mu f_n. The map A gives the forces
+and moments of f on the bodies (``contact_wrenches``), and w are the weights. A stack has an equilibrium if A f + w = 0
+has a solution.
 
 **Load margin** of brick i [N]: the greatest force s along gravity at the brick's centre of mass for which this problem
 has a solution, with a unit force d_i along gravity on brick i:
@@ -12,8 +12,8 @@ has a solution, with a unit force d_i along gravity on brick i:
 The margin is infinite if every s has a solution.
 
 **Tilt margin** of brick i [deg]: gravity, of constant strength, turns by alpha toward a direction h perpendicular to
-gravity, for all bodies. With the forces w_h, which have the size of the weights and the direction h, an equilibrium
-exists exactly if this problem has a solution, because forces scale with the weights:
+gravity, for all bodies. The forces w_h have the size of the weights and the direction h. An equilibrium exists exactly
+if this problem has a solution, because forces scale with the weights:
 
     A f + w + tan(alpha) w_h = 0,   f in the cones
 

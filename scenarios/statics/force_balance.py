@@ -161,7 +161,7 @@ class Balance:
 def solve_balance(
     centers: FloatArray, weights: FloatArray, patches: Sequence[Patch], friction: float, length: float
 ) -> Statics:
-    """Find contact forces that hold all bodies, or prove that no such forces exist.
+    """Find contact forces that hold all bodies, or prove that no contact forces can hold them.
 
     The verdict is ``stable`` only if the existence of forces suffices for rest. Forces of two kinds suffice: normal
     forces alone, or vertical forces at load-bearing contacts. If the bodies need other friction, forces may exist

@@ -27,8 +27,8 @@ the scale nor on the bodies below, because a body that moves with its neighbours
 
 - Forces do no positive work. Therefore a . M a and f . f / kappa are at most w . a: accelerations are bounded, and
   contacts close at most as 1 / sqrt(kappa).
-- Where a and f tend to limits, no contact closes in the limit, forces are in their cones, forces of opening contacts
-  are zero, and a corner that slides has all its friction against the motion.
+- Where a and f tend to limits, no contact closes in the limit, and forces are in their cones. Forces of opening
+  contacts are zero. A corner that slides has all its friction against the motion.
 - Therefore the limit of a pile that "falls" is an acceleration, other than zero, that rigid bodies with Coulomb
   friction may take from rest. The pile is not strongly stable in the sense of Pang and Trinkle.
 - A pile that "stands" reaches an equilibrium without prestress, for each of six kinds of contacts. This is less than

@@ -10,8 +10,8 @@ from scenarios.geometry import FloatArray
 def clipped(polygon: FloatArray, outside: FloatArray) -> FloatArray:
     """Return the part (m, 2) of a polygon, segment or point (k, 2) in which a linear function is not positive.
 
-    The array ``outside`` (k,) contains the function's values at the corners. The method is that of Sutherland and
-    Hodgman. A corner may occur twice in the result, because a segment counts as a polygon that runs forth and back.
+    The array ``outside`` (k,) contains the function's values at the corners. The method is the algorithm of Sutherland
+    and Hodgman. A corner may occur twice in the result, because a segment counts as a polygon that runs forth and back.
     """
     if (outside <= 0.0).all():
         return polygon

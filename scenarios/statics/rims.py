@@ -45,7 +45,10 @@ def rim_normals(first: Solid, second: Solid) -> FloatArray:
 
 
 def _near_ends(solid: Solid, other: Solid) -> Iterator[FloatArray]:
-    """Yield the centre of the end face nearer to the other solid, or both centres if the distances are similar."""
+    """Yield the centre of the end face nearer to the other solid, or both centres.
+
+    The function yields both centres if their distances differ by less than the radius.
+    """
     distances = [float(np.linalg.norm(other.core - end, axis=1).min()) for end in solid.core]
     yield solid.core[int(np.argmin(distances))]
     if abs(distances[1] - distances[0]) < solid.disk:

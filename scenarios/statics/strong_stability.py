@@ -19,8 +19,8 @@ linear:
 More binary variables choose a body. The program searches for a solution in which the centre of mass of this body falls
 with ``LEAST_FALL`` or more. If no solution exists, the pile is strongly stable, within these limits:
 
-- For a pile that is its own mirror image, the program works in the plane of symmetry, with two sliding directions. This
-  program is exact, except for motions out of the plane.
+- For a pile that is its own mirror image, the program works in the plane of symmetry, with two sliding directions. The
+  plane program is exact, except for motions out of the plane.
 - Other piles have ``SECTORS`` sectors. Friction may lie anywhere in a triangle around the sector's arc of Coulomb's
   circle, and corners that stick have the circumscribed pyramid. Therefore the program's solutions include all true
   solutions.

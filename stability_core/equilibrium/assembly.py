@@ -54,7 +54,7 @@ class Part(NamedTuple):
 
 @compiled
 def _patches_of(graph: Graph, ids: IntArray, index: IntArray, outside: int) -> tuple[IntArray, int, IntArray]:
-    """Return the patches that join the bodies ``ids`` to each other, to the ground, and to the rest of the stack.
+    """Return the patches that join the bodies ``ids`` to each other, to the ground, and to all other frozen bodies.
 
     Returns:
         Three values:

@@ -1,6 +1,6 @@
 """Correct the forces of the previous frame, which nearly hold a set of bodies, for instance after one more plank.
 
-The symbols are those of ``newton``. The cones K' are a little narrower than Coulomb's cones K. Of all forces in K' with
+See ``newton`` for the symbols. The cones K' are a little narrower than Coulomb's cones K. Of all forces in K' with
 A f = w, the forces nearest to the previous forces f0 are
 
 f = P_K'(f0 + A^T y),    y minimises |P_K'(f0 + A^T y)|^2 / 2 - w . y.

@@ -94,7 +94,7 @@ def _grouped(label: IntArray, n: int) -> tuple[IntArray, IntArray]:
 
 @compiled
 def _owners(layers: Layers) -> IntArray:
-    """Return the cluster of each contact, shape (m,): that of the upper body, or of the only free body."""
+    """Return the cluster of each contact, shape (m,): the cluster of the upper body, or of the only free body."""
     owner = np.empty(len(layers.upper), np.int64)
     for c in range(len(owner)):
         body = layers.upper[c] if layers.upper[c] >= 0 else layers.lower[c]  # without an upper body: wall or ceiling

@@ -260,8 +260,8 @@ def keep_proof_of_neighbours(graph: Graph, regions: Regions, body: int) -> None:
 def topples_alone(graph: Graph, body: int, support: FloatArray) -> bool:
     """Return True if a body topples by itself: its centre of mass lies outside its contact area.
 
-    Friction cannot hold such a body. The result is False if the body carries another body, leans, or stands on a live
-    body at rest, because both bodies may freeze together and hold each other.
+    Friction cannot hold a body that topples by itself. The result is False if the body carries another body, leans, or
+    stands on a live body at rest. In these cases both bodies may freeze together and hold each other.
 
     Args:
         graph: the stack.

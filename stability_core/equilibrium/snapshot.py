@@ -72,9 +72,9 @@ def solve_equilibrium(contacts: Contacts, masses: Masses, gravity: Sequence[floa
       of the friction as well (see ``loading``).
     - "unstable": no contact forces hold the bodies. The motion ``mechanism`` is the proof (see ``newton``). An
       equilibrium that needs a force of more than a million times the weight of all bodies does not count.
-    - "doubt": forces exist but do not arise by themselves, or forces arise with the full friction but not with nine
-      tenths of the friction, or the search finds no proof. For example, two walls could hold a brick between them only
-      if something pressed the walls together.
+    - "doubt": forces exist but do not arise by themselves, at least not with nine tenths of the friction; or the search
+      finds no proof. For example, two walls could hold a brick between them only if something pressed the walls
+      together.
 
     A step takes O(n) to O(n w^2) for n bodies in layers of w bodies. A decision takes 5 to 20 steps, or 10 to 60
     steps if the bodies need friction.

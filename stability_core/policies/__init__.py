@@ -1,4 +1,4 @@
-"""The policies, which decide which bodies freeze and unfreeze; the extension calls each policy in the same way."""
+"""The policies: rules that decide which bodies freeze and unfreeze."""
 
 from __future__ import annotations
 

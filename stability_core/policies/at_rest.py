@@ -1,4 +1,4 @@
-"""The naive policy, the reference for all other policies: freeze every body at rest."""
+"""The naive policy, a reference for all other policies: freeze every body at rest."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ CEILING = -0.5
 
 @compiled
 def _is_held(graph: Graph, body: int) -> bool:
-    """Return True if ``body`` touches anything below or beside it; a ceiling does not count."""
+    """Return True if ``body`` has a patch on a body below or beside it; a ceiling does not count."""
     at = graph.bodies[body].first_support
     while at != NONE:
         if graph.patches[at].normal[2] > CEILING:
@@ -42,15 +42,15 @@ def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits) -> IntArray:
 
 
 class AtRest(Policy):
-    """The policy that freezes every body at rest, stable or not, and keeps it frozen while any support remains.
+    """Policy that freezes every body at rest, stable or not, until no support or leaning partner remains.
 
-    The policy ignores the weaker rest rule for leaning bodies, which is meant for policies that test these bodies.
+    The policy ignores the weaker rule of rest for leaning bodies, because it does not test these bodies.
     """
 
     name = "at_rest"
     judges_statics = False
 
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
-        """Accept every body at rest; report bodies without any support as unbalanced. O(changes)."""
+        """Freeze every body at rest; report bodies without any support as unbalanced: O(changes)."""
         floating = _settle(graph, buffers, self.limits)
         return Decision(dict.fromkeys(listed(buffers, AT_REST).tolist(), "at rest"), floating)

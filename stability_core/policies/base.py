@@ -50,10 +50,10 @@ class Policy(ABC):
         freezing has a budget: the policy always tests frozen bodies for balance."""
 
     def set_gravity(self, gravity: float) -> None:
-        """Set the strength of gravity [m/s2], after its strength or its direction has changed.
+        """Set the strength of gravity [m/s2], after a change of its strength or its direction.
 
-        Before this call, the core turns the graph so that z is up, and lists every frozen body as changed. Earlier
-        proofs and forces no longer hold, so this method must drop the proofs and forces that the policy keeps.
+        Before this call, the core turns the graph so that z is up, and lists every frozen body as changed. This method
+        must drop the proofs and forces that the policy keeps, because they no longer hold.
         """
         self.gravity = gravity
         self.limits = self.settings.limits(gravity)
@@ -62,11 +62,16 @@ class Policy(ABC):
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
         """Bring the stack up to date with one frame.
 
-        Every policy takes the same steps: build the patches of the worklist (``lay_due``); freeze the accepted
-        candidates, lowest first; rebuild their patches (``lay_frozen``); and find the unbalanced bodies among all
-        affected bodies (``take_changed``). A policy that takes these steps in one compiled call costs microseconds.
+        Every policy takes the same steps:
+
+        1. build the patches of the worklist (``lay_due``);
+        2. freeze the accepted candidates, lowest first;
+        3. rebuild the patches of these bodies (``lay_frozen``);
+        4. find the unbalanced bodies among all affected bodies (``take_changed``).
+
+        A policy that takes these steps in one compiled call costs microseconds.
 
         Args:
-            graph: the stack, with enough spare patches; it lists the bodies that changed since the last call.
+            graph: the stack, with enough spare patches, and with a list of the bodies that changed since the last call.
             buffers: the worklist of this frame, and the contacts of the dwell frames.
         """

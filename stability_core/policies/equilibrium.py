@@ -1,16 +1,16 @@
 """The policy of exact statics: a body may freeze if contact forces in the Coulomb cones hold the stack with it.
 
 Cheap proofs come first. The policy refuses a body that topples alone, and accepts a body in the safe region of its
-supports, in O(1) at any height. It solves only the remaining bodies, with the bodies that bear them: leaning bodies,
-counterweights, bodies that lost a support. A solve that fails gives a mechanism, the motion in which the bodies fall;
-bodies that move in the mechanism stay live or unfreeze.
+supports, in O(1) at any height. The policy solves the remaining bodies, together with the bodies that bear them. The
+remaining bodies are leaning bodies, counterweights, and bodies that lost a support. A failed solve gives a mechanism:
+the motion in which the bodies fall. Bodies that move in the mechanism stay live or unfreeze.
 
-A proof holds for frozen bodies only: there is no certificate for a stack with a live load, nor after a change of mass,
-normal or neighbour. So the departure of a live load invalidates no proof, and the stack bears a new live load if the
+A proof holds for frozen bodies only: there is no certificate for a stack with a live load, or after a change of mass,
+normal or neighbour. Therefore the departure of a live load invalidates no proof. The stack bears a new live load if the
 load lies in a safe region.
 
-A body that statics leaves in doubt (see ``verdict``) has no proof. It freezes only after the engine has held it in
-place for ``doubt_s`` under the present contacts, and unfreezes at any change of contact, load or neighbour.
+A body in doubt (see ``verdict``) has no proof. The body freezes only after the engine has held it in place for
+``doubt_s`` under the present contacts. The body unfreezes at any change of contact, load or neighbour.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ bodies decides nothing."""
 
 
 def _chosen(ids: IntArray, among: BoolArray) -> IntArray:
-    """Return the ``ids`` (n,) selected by the mask ``among`` (n,), shape (k,)."""
+    """Return the ``ids`` (n,) of the mask ``among`` (n,), shape (k,)."""
     chosen: IntArray = ids[among]
     return chosen
 
@@ -79,7 +79,7 @@ def _together(first: IntArray, second: IntArray) -> IntArray:
 
 
 class Equilibrium(Policy):
-    """The policy that freezes bodies that provably stand, and unfreezes bodies that take part in a collapse."""
+    """Policy that freezes bodies with a proof of equilibrium, and unfreezes bodies that take part in a collapse."""
 
     name = "equilibrium"
 
@@ -110,7 +110,7 @@ class Equilibrium(Policy):
         """Forget proofs, regions and forces.
 
         The next frame judges without hysteresis, so that bodies unfreeze at the exact angle at which they slide or
-        topple. Hysteresis is not needed, because contacts of frozen bodies do not change while gravity turns.
+        topple. The contacts of frozen bodies do not change while gravity turns. Therefore hysteresis is not necessary.
         """
         super().set_gravity(gravity)
         self._wake_margin, self._wake_grip = 0.0, 1.0
@@ -119,9 +119,9 @@ class Equilibrium(Policy):
         self._sag[:] = 0.0
 
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
-        """Freeze the bodies in safe regions by one compiled call; then freeze the other candidates that stand together.
+        """Freeze the bodies in safe regions by one compiled call; then freeze other candidates that stand together.
 
-        The cost is O(1) per changed body while safe regions decide. Otherwise the cost is some solves of the affected
+        While safe regions decide, the cost is O(1) per changed body. Otherwise the cost is some solves of the affected
         bodies, which start from the latest forces.
         """
         if len(graph.bodies) > len(self._regions):
@@ -164,9 +164,14 @@ class Equilibrium(Policy):
         return Decision(reasons, unbalanced, deferred)
 
     def _freeze_together(self, graph: Graph, group: IntArray) -> tuple[dict[int, str], IntArray, IntArray]:
-        """Freeze the stable candidates of ``group``, each part of the stack by itself, within the budget.
+        """Freeze the stable candidates of ``group``, part by part of the stack, within the budget.
 
-        Return the frozen bodies with their reasons; the rows of the solved patches; and the deferred bodies.
+        Returns:
+            Three values:
+
+            - the frozen bodies, with their reasons;
+            - rows of the solved patches;
+            - the deferred bodies.
         """
         reasons: dict[int, str] = {}
         solved = [group[:0]]
@@ -183,9 +188,10 @@ class Equilibrium(Policy):
         return reasons, np.concatenate(solved), group
 
     def _batch(self, graph: Graph, part: IntArray) -> IntArray:
-        """Return the candidates of a ``part`` to judge together, (k,); only the lowest few if there is a budget.
+        """Return the candidates of a ``part`` for a joint solve, shape (k,).
 
-        The batch takes any number of bodies with load-bearing contacts only, because a solve of these bodies is cheap.
+        With a budget, the batch is the lowest ``TOGETHER`` candidates. Bodies with load-bearing contacts only have no
+        such limit, because their solve is cheap.
         """
         if len(part) <= TOGETHER or math.isinf(self.budget) or is_upright(graph, part):
             return part
@@ -193,9 +199,9 @@ class Equilibrium(Policy):
         return np.sort(lowest[:TOGETHER])
 
     def _parts(self, graph: Graph, seeds: IntArray, members: IntArray) -> Iterator[tuple[IntArray, bool]]:
-        """Yield the bodies to solve for the ``seeds``: first the bodies that bear the seeds.
+        """Yield the bodies to solve for the ``seeds``, and True if they are the whole part of the stack.
 
-        Then yield the whole part of the stack, if it is small. The second value is True for the whole part.
+        The method first yields the bodies that bear the seeds, then the whole part, if the part is small.
         """
         near = bearing(graph, self._memory, seeds, members, self.gravity)
         whole = component(graph, seeds, members)
@@ -220,12 +226,18 @@ class Equilibrium(Policy):
         return answer
 
     def _freeze_part(self, graph: Graph, group: IntArray) -> tuple[IntArray, str, IntArray]:
-        """Freeze the bodies of ``group`` that stand: remove falling bodies until the rest stands.
+        """Freeze the bodies of ``group`` that stand: remove falling bodies until the remaining bodies stand.
 
-        Bodies that statics leaves in doubt freeze too, without a proof, once the engine has held all of them in place
-        for ``doubt_s``. A standing group takes one to four steps of a solve of the bodies that bear it, a falling group
-        takes a few steps of a solve of its own bodies. Return the frozen bodies, the reason, and the rows of the solved
-        patches.
+        Bodies in doubt freeze too, without a proof, once the engine has held all of them in place for ``doubt_s``. A
+        standing group costs one to four steps of a solve of the bodies that bear the group. A falling group costs a few
+        steps of a solve of its own bodies.
+
+        Returns:
+            Three values:
+
+            - the frozen bodies;
+            - the reason;
+            - rows of the solved patches.
         """
         bodies = graph.bodies
         while len(group):
@@ -262,9 +274,10 @@ class Equilibrium(Policy):
     def _unbalanced(self, graph: Graph, buffers: FrameBuffers, unproven: IntArray) -> IntArray:
         """Return the frozen bodies that move in the mechanism of an unbalanced part of the stack.
 
-        A stack that stands with a live load is not proven to stand without it. A body frozen in doubt unfreezes at any
-        change around it. Each part of the stack is judged by itself, because an uncertain live load on one part must
-        not hide the fall of another.
+        - If a stack stands with a live load, nothing proves that the stack stands without the load.
+        - A body in doubt unfreezes at any change around it.
+        - The method judges each part of the stack by itself, because an uncertain live load on one part must not hide
+          the fall of another part.
         """
         in_doubt = graph.bodies["doubt"][unproven] != PROVEN
         falls: IntArray = unproven[in_doubt]
@@ -287,10 +300,10 @@ class Equilibrium(Policy):
     def _falls(self, graph: Graph, buffers: FrameBuffers, ids: IntArray, seeds: IntArray, outside: int) -> IntArray:
         """Return the frozen bodies among ``ids`` that fall or are in doubt under their live loads, shape (k,).
 
-        The loads of live bodies on a rigid stack are one of many ways to share their weight. If the stack does not bear
-        these loads, the method solves the live bodies that do not fall themselves together with the stack. If this
-        solve does not prove that the stack bears the loads either, the loaded bodies unfreeze, and the method judges
-        the rest again without them.
+        The method first computes the loads of live bodies on a rigid stack, which are one of many distributions of
+        their weight. If the stack does not bear these loads, a joint solve includes the stack and the live bodies that
+        do not fall. If the verdict then depends on uncertain loads, the method returns all ``seeds`` or no bodies, by
+        the size of the imbalance.
         """
         live = lying_on(graph, ids)
         for margin, grip in ((0.0, 1.0), (self._wake_margin, self._wake_grip))[len(live) > 0 :]:
@@ -320,9 +333,9 @@ class Equilibrium(Policy):
         return seeds if lacking > UNCERTAIN * np.abs(problem.load).max() else ids[:0]
 
     def _pressed(self, graph: Graph, buffers: FrameBuffers, part: Part, live: IntArray) -> tuple[FloatArray, BoolArray]:
-        """Return the loads of ``live`` bodies (k,) on a part, (n, 6), and the mask (k,) of bodies known to be held.
+        """Return the loads (n, 6) of ``live`` bodies (k,) on a part, and the mask (k,) of live bodies that forces hold.
 
-        A body on load-bearing contacts presses with its weight. Only the engine knows the force of a wedged body; for
+        A body on load-bearing contacts presses with its weight. Only the engine knows the force of a wedged body. For
         an engine that reports no forces, see ``live_load``.
         """
         has_forces = buffers.clock.item(HAS_FORCES) > 0.0
@@ -344,8 +357,8 @@ class Equilibrium(Policy):
     ) -> IntArray | None:
         """Return the frozen bodies that fall in a joint solve with the live bodies ``joint`` (k,).
 
-        In this solve, the bodies ``joint`` distribute their weight as the stack needs it; all other live bodies press
-        as estimated. The result is None if there are more than ``most`` bodies.
+        In this solve, the bodies ``joint`` distribute their weight as the stack needs it. All other live bodies press
+        with their estimated loads. The result is None if the solve would have more than ``most`` bodies.
         """
         borne = bearing(graph, self._memory, _together(seeds, carriers(graph, joint)), joint, self.gravity)
         together = _together(_together(ids, borne), joint)
@@ -359,10 +372,10 @@ class Equilibrium(Policy):
         return self._moves(graph, part, problem, seeds, answer)
 
     def _moves(self, graph: Graph, part: Part, problem: Problem, seeds: IntArray, answer: Answer) -> IntArray:
-        """Return the frozen bodies that move in an ``answer``'s mechanism, shape (k,); the seeds if nothing is known.
+        """Return the frozen bodies that move in an ``answer``'s mechanism, (k,); also the seeds without forces.
 
         Live bodies, and bodies frozen in doubt, may fall or be in doubt although the stack stands. The method removes
-        these bodies, and the rest must bear their loads.
+        these bodies, and the remaining bodies must bear their loads.
         """
         bodies, ids, level = graph.bodies, part.ids, part.level
         may_move: BoolArray = (bodies["state"][ids] == FROZEN) & (bodies["doubt"][ids] == PROVEN)
@@ -382,6 +395,6 @@ class Equilibrium(Policy):
     def _prove(self, graph: Graph, ids: IntArray) -> None:
         """Record that the frozen bodies ``ids`` stand together.
 
-        The records are made from the lowest body up, because a region builds on lower regions.
+        The method records the lowest body first, because a region builds on lower regions.
         """
         keep_proofs(graph, self._regions, ids[np.argsort(graph.bodies["center"][ids, 2], kind="stable")])

@@ -1,8 +1,10 @@
 """The policy of Thomsen and Kraus 2015: a body is stable if its centre of mass lies above its contact area.
 
-The flat test is a vertical ray from C_stack, the common centre of mass of an object and its loads, into the combined
-contact area. An object that does not lie flat may pass the leaning test instead. The overall test repeats the test that
-the object passed, with all its later loads.
+C_stack is the common centre of mass of a body and its loads.
+
+- Flat test: a vertical ray from C_stack must hit the combined contact area.
+- Leaning test: a test for bodies that do not lie flat (see ``leaning``).
+- Overall test: the test that froze the body, repeated with all later loads.
 """
 
 from __future__ import annotations
@@ -23,7 +25,7 @@ from stability_core.stack_mass import carry_down, support_polygon
 
 @compiled
 def balances(graph: Graph, body: int, margin: float) -> bool:
-    """Return True if C_stack lies in the combined contact area, or at most ``margin`` [sizes] outside."""
+    """Return True if C_stack lies in the combined contact area, or at most ``margin`` [sizes] outside it."""
     center, support = graph.bodies[body].stack_center, support_polygon(graph, body)
     if lies_on(support, center[0], center[1]):
         return True  # cheaper than the distance, and usually sufficient
@@ -51,9 +53,10 @@ def leans_on_stack(graph: Graph, body: int) -> bool:
 
 @compiled
 def pass_flat_test(graph: Graph, candidates: IntArray) -> IntArray:
-    """Freeze the ``candidates``, lowest first, that pass the flat test; return them, shape (k,).
+    """Freeze the ``candidates`` that pass the flat test; return the frozen bodies, shape (k,).
 
-    The order is lowest first, so that the function decides about the supports of a candidate before the candidate.
+    Pass the candidates lowest first, because the function must decide about the supports of a candidate before the
+    candidate.
     """
     accepted = np.empty(len(candidates), np.int64)
     n = 0
@@ -67,7 +70,7 @@ def pass_flat_test(graph: Graph, candidates: IntArray) -> IntArray:
 
 @compiled
 def pass_leaning_test(graph: Graph, candidates: IntArray, gravity: float, flat_width: float) -> IntArray:
-    """Freeze the live ``candidates`` that do not lie flat and pass the leaning test; return them, shape (k,).
+    """Freeze the live ``candidates`` that do not lie flat and pass the leaning test; return these bodies, (k,).
 
     Bodies that lean on each other, such as the planks of an inverted V, pass together or not at all.
     """
@@ -99,7 +102,7 @@ def pass_leaning_test(graph: Graph, candidates: IntArray, gravity: float, flat_w
 def fail_overall_test(graph: Graph, bodies: IntArray, gravity: float, wake_margin: float) -> IntArray:
     """Return the frozen bodies among ``bodies`` that fail the overall test, shape (k,).
 
-    Unfreezing has a hysteresis: the centre must lie more than ``wake_margin`` [sizes] outside the area.
+    A flat body fails only if C_stack lies more than ``wake_margin`` [sizes] outside the area (hysteresis).
     """
     table = graph.bodies
     found = np.empty(len(bodies), np.int64)
@@ -145,14 +148,14 @@ def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits, gravity: float)
 
 
 class Paper(Policy):
-    """The policy that freezes bodies by the flat or the leaning test, and unfreezes them by the overall test."""
+    """Policy that freezes bodies by the flat or the leaning test, and unfreezes bodies by the overall test."""
 
     name = "paper"
 
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
-        """Test new members, flat before leaning; update the stack data (Eqs 1-5); then run the overall test.
+        """Run the flat test, then the leaning test; update the stack data (Eqs 1-5); then run the overall test.
 
-        The cost is O(k log k) for the k bodies below the changes that bear a changed load.
+        The cost is O(k log k) for the k bodies with a changed load.
         """
         flat, leaning, unbalanced = _settle(graph, buffers, self.limits, self.gravity)
         return Decision(dict.fromkeys(flat.tolist(), "flat") | dict.fromkeys(leaning.tolist(), "leaning"), unbalanced)

@@ -1,21 +1,21 @@
 """The sleeping rule for piles, after Hsu and Keyser 2010: bodies inside the pile freeze, its slope stays live.
 
 S.-W. Hsu, J. Keyser, "Piles of Objects", ACM Transactions on Graphics 29(6), 2010 (SIGGRAPH Asia). Their method models
-a pile by its shape, bounded by an angle of repose; it deactivates objects inside the pile, by more criteria than their
-own momentum; and it is meant for random piles, not for structures. This policy adapts their method to contacts, sleep
-and mass:
+a pile by its shape, with an angle of repose as the bound. The method deactivates objects inside the pile, by more
+criteria than their own momentum, and serves random piles, not structures. This policy adapts the method to contacts,
+sleep and mass:
 
-- The pile of a body is the set of frozen bodies joined to it by contacts. The pile stands on a base: the convex hull,
-  in plan, of its contact points on the ground.
-- The shape of the pile is the shape of sand on this base: a roof that rises from the hull's border inward. As in their
-  method, the user chooses the angle of repose (``Settings.repose``). By default the slope of the roof is mu, the
-  friction coefficient of the contact on which a body stands, so that the angle of repose is atan(mu).
+- The pile of a body is all frozen bodies that contacts join to the body, directly or indirectly. The base of the pile
+  is the convex hull, in plan, of the pile's contact points on the ground.
+- The shape of the pile is the shape of sand on this base: a roof that rises from the hull's border inward. As in the
+  original method, the user chooses the angle of repose (``Settings.repose``). By default the angle of repose is
+  atan(mu), with the friction coefficient mu of the contact on which a body stands.
 - A body lies inside if it stands on the ground, or on frozen bodies at points below the roof.
-- A body freezes once it is at rest, as in every policy, and touches no moving live body, which would move it.
-- A body unfreezes by an impact, as in every policy, and when one of its supports is gone.
+- A body inside freezes once it is at rest, as in every policy, unless it touches a moving live body.
+- A body unfreezes after an impact, as in every policy, and when it has lost a support.
 
-The policy does not test balance, because inside a pile the neighbours hold bodies that would tip. A tower is steeper
-than any pile of its friction, so it never freezes beyond its lowest planks.
+The policy does not test balance, because inside a pile the neighbours hold bodies that would tip. A tower never freezes
+beyond its lowest planks, because a tower is steeper than any pile of its friction.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ def _beside_movers(graph: Graph, buffers: FrameBuffers, candidates: IntArray, li
 
 @compiled
 def _pile_with(graph: Graph, root: int) -> IntArray:
-    """Return ``root`` and all frozen bodies that contacts join to it, directly or indirectly: O(pile)."""
+    """Return ``root`` and all frozen bodies that contacts join to ``root``, directly or indirectly: O(pile)."""
     reached = np.zeros(len(graph.bodies), np.bool_)
     pile = np.empty(len(graph.bodies), np.int64)
     pile[0], size, done = root, 1, 0
@@ -80,7 +80,7 @@ def _pile_with(graph: Graph, root: int) -> IntArray:
 
 @compiled
 def _base_of(graph: Graph, pile: IntArray) -> FloatArray:
-    """Return the convex hull, in plan, of the points [m] at which a pile stands on the ground, shape (k, 3)."""
+    """Return the convex hull (k, 3) [m], in plan, of the points at which a pile stands on the ground."""
     points = np.empty((MAX_VERTICES * len(pile), 3))
     n = 0
     for body in pile:
@@ -102,7 +102,7 @@ def _lies_inside(graph: Graph, body: int, base: FloatArray, repose: float) -> bo
         graph: the stack.
         body: the body.
         base: hull of the pile's contact points on the ground [m], shape (k, 3).
-        repose: angle of repose [rad]; 0 for the angle of friction.
+        repose: angle of repose [rad]; 0 for the angle of friction of each contact.
     """
     stands = False
     at = graph.bodies[body].first_support
@@ -133,7 +133,7 @@ def _count_supports(graph: Graph, body: int) -> int:
 
 @compiled
 def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits, supports: IntArray) -> tuple[IntArray, IntArray]:
-    """Settle one frame; return (bodies to freeze, frozen bodies that lost a support).
+    """Settle one frame; return the newly frozen bodies, and the frozen bodies that lost a support.
 
     The cost is O(pile) per candidate.
 
@@ -141,7 +141,8 @@ def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits, supports: IntAr
         graph: the stack.
         buffers: the worklist.
         limits: the settings.
-        supports: output, number of contact areas on which each body stood when it froze, shape (bodies,).
+        supports: number of contact areas on which each body stood when it froze, shape (bodies,). The function updates
+            the numbers of newly frozen bodies.
     """
     lay_due(graph, buffers, limits)
     candidates = lowest_first(graph, listed(buffers, AT_REST))
@@ -166,7 +167,7 @@ def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits, supports: IntAr
 
 
 class Pile(Policy):
-    """The policy that freezes bodies at rest inside the angle of repose of their pile; structures stay live."""
+    """Policy that freezes bodies at rest inside the angle of repose of their pile; structures stay live."""
 
     name = "pile"
     judges_statics = False
@@ -182,12 +183,12 @@ class Pile(Policy):
         self._supports = NOBODY
 
     def set_gravity(self, gravity: float) -> None:
-        """Unfreeze every pile in the next frame, because the vertical that defines its slope has changed."""
+        """Set gravity, and unfreeze every pile in the next frame, because a pile's slope depends on the vertical."""
         super().set_gravity(gravity)
         self._supports[:] = np.iinfo(np.int64).max
 
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
-        """Freeze bodies inside their piles, lowest first, because supports must freeze first: O(pile) per candidate."""
+        """Freeze bodies inside their piles, lowest first; report bodies that lost a support: O(pile) per candidate."""
         if len(graph.bodies) > len(self._supports):
             self._supports = np.concatenate(
                 (self._supports, np.zeros(len(graph.bodies) - len(self._supports), np.int64))

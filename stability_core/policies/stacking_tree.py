@@ -2,19 +2,20 @@
 
 H. Zhao, C. Zhu, X. Xu, H. Huang, K. Xu, "Learning practically feasible policies for online 3D bin packing", Science
 China Information Sciences 65, 112105 (2022), https://doi.org/10.1007/s11432-021-3348-6. Their test is the flat test of
-the paper: a body is stable if its centre of mass, with all loads, lies in the hull of its contact points. The shares of
-a load differ from the paper's:
+Thomsen and Kraus: a body is stable if its centre of mass, with all loads, lies in the hull of its contact points. The
+shares F of a load m g at c = C_stack are:
 
-- A support whose own contact area contains the centre bears the whole load, as in the paper.
-- Two supports share the load by their levers. With the centres p_0 and p_1 of the contact areas and C_stack = c,
+- A support whose own contact area contains c bears the whole load, as in Thomsen and Kraus.
+- Two supports, with the centres p_0 and p_1 of their contact areas, share the load by their levers:
   |F_0| = m g |(c - p_1) . (p_0 - p_1)| / |p_0 - p_1|^2.
-- More than two supports: the least-squares solution of the lever equations of all pairs, F_i d_ij = F_j d_ji with
-  d_ij = |(c - p_i) . (p_i - p_j)| / |p_i - p_j|^2, and of the sum of all F = m g. The paper takes equal shares.
+- More than two supports: the least-squares solution of the lever equations F_i d_ij = F_j d_ji of all pairs, with
+  d_ij = |(c - p_i) . (p_i - p_j)| / |p_i - p_j|^2, and of the equation sum of all F = m g. Thomsen and Kraus take equal
+  shares.
 
 The article gives the lever equations without a scale. This policy divides each lever by the distance of the two
-supports, so that the equations have no dimension and no order. The sum is one of the least-squares equations, as in the
-article, so that the shares of more than two supports may sum to less than the load. Bodies that lean stay live, because
-their test knows flat boxes only.
+supports, so that the equations have no dimension. As in the article, the sum is one of the least-squares equations.
+Therefore the shares of more than two supports may sum to less than the load. Bodies that lean stay live, because the
+article's test covers flat boxes only.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ all zero, and changes other shares by a part in a thousand million."""
 
 @compiled
 def _lever(center: FloatArray, own: FloatArray, other: FloatArray) -> float:
-    """Return |(center - own) . (own - other)| / |own - other|^2 in plan; zero for two contacts at one place."""
+    """Return |(center - own) . (own - other)| / |own - other|^2 in plan; zero if both contacts have the same place."""
     along_x, along_y = own[0] - other[0], own[1] - other[1]
     squared = along_x**2 + along_y**2
     if squared == 0.0:
@@ -48,11 +49,11 @@ def _lever(center: FloatArray, own: FloatArray, other: FloatArray) -> float:
 
 @compiled
 def lever_shares(center: FloatArray, contacts: FloatArray) -> FloatArray:
-    """Return the shares of a load at ``center`` (3,) on supports with contact centres ``contacts`` (k, 3), shape (k,).
+    """Return the shares (k,) of a load at ``center`` (3,) on supports with contact centres ``contacts`` (k, 3).
 
-    The normal equations of the lever equations and the sum are (L^T L + 1 1^T) s = 1. Gaussian elimination without
-    pivoting solves these equations, because their matrix is positive definite. The shares are not negative, because the
-    off-diagonal entries of L^T L are not positive.
+    With the lever equations L s = 0 for the shares s, and a vector 1 of ones, the normal equations of the lever
+    equations and the sum are (L^T L + 1 1^T) s = 1. Gaussian elimination needs no pivoting, because the matrix is
+    positive definite. The shares are not negative, because the off-diagonal entries of L^T L are not positive.
     """
     k = len(contacts)
     if k < 2:
@@ -82,7 +83,7 @@ def lever_shares(center: FloatArray, contacts: FloatArray) -> FloatArray:
 
 @compiled
 def _add_shares(graph: Graph, upper: int, borne: FloatArray) -> None:
-    """Add the load of ``upper`` to the rows of ``borne``, shape (bodies, 4): mass [kg], and moments in x, y, z [kg m].
+    """Add the load of ``upper`` to its supports' rows of ``borne`` (bodies, 4): mass [kg], mass times place [kg m].
 
     The load acts at C_stack if one support bears the whole load, else at the centre of each contact area.
     """
@@ -113,7 +114,7 @@ def _add_shares(graph: Graph, upper: int, borne: FloatArray) -> None:
 
 @compiled
 def _downward(graph: Graph, changed: IntArray) -> IntArray:
-    """Return the ``changed`` bodies and all bodies below them, each body before its supports, shape (k,): O(k).
+    """Return the ``changed`` bodies and all bodies below, each body before its supports, shape (k,): O(k).
 
     The order is the reverse postorder of a depth-first search from each changed body.
     """
@@ -142,10 +143,10 @@ def _downward(graph: Graph, changed: IntArray) -> IntArray:
 
 @compiled
 def carry_down_by_levers(graph: Graph, changed: IntArray) -> IntArray:
-    """Carry mass and centre down from the ``changed`` bodies; return the bodies below and the changed ones, (k,).
+    """Carry mass and centre down from the ``changed`` bodies; return all affected bodies, shape (k,).
 
-    A body takes the shares of all bodies on it, also of bodies that did not change. The cost is O(k) for the k affected
-    bodies and the loads on them.
+    A body takes the shares of all bodies on it, including unchanged bodies. The cost is O(k) for the k affected bodies
+    and the loads on them.
     """
     bodies, patches = graph.bodies, graph.patches
     affected = _downward(graph, changed)
@@ -173,7 +174,7 @@ def carry_down_by_levers(graph: Graph, changed: IntArray) -> IntArray:
 
 @compiled
 def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits) -> tuple[IntArray, IntArray]:
-    """Settle one frame; return (bodies that passed the flat test, frozen bodies that failed the overall test)."""
+    """Settle one frame; return the bodies that passed the flat test, and the bodies that failed the overall test."""
     lay_due(graph, buffers, limits)
     affected = carry_down_by_levers(graph, take_changed(graph))
     flat = pass_flat_test(graph, lowest_first(graph, listed(buffers, AT_REST)))
@@ -183,11 +184,11 @@ def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits) -> tuple[IntArr
 
 
 class StackingTree(Policy):
-    """The policy that freezes bodies by the flat test, with shares of loads by lever equations (Zhao et al. 2022)."""
+    """Policy that freezes bodies by the flat test, with shares of loads by lever equations (Zhao et al. 2022)."""
 
     name = "stacking_tree"
 
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
-        """Test new members; update the stack data below them; then run the overall test: O(k) for k bodies below."""
+        """Run the flat test; update the stack data; then run the overall test: O(k) for k affected bodies."""
         flat, unbalanced = _settle(graph, buffers, self.limits)
         return Decision(dict.fromkeys(flat.tolist(), "flat"), unbalanced)
