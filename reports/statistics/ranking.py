@@ -66,7 +66,7 @@ class Place:
     """Median over scenes of the 99th percentile of the frame time [ms], without scenes whose times come from several
     machines; None if no scene remains."""
     creep: Creep | None
-    """Creep with the greatest ratio to its limit, of all stacks that must stand and stood; None if no creep was
+    """Creep with the greatest ratio to its limit, of all judged stacks that must stand and stood; None if no creep was
     measured."""
 
 
@@ -175,12 +175,16 @@ def _place(set_up: SetUp, units: Mapping[Unit, frozenset[State]], total: int, gr
 
 
 def _creep(groups: Sequence[Group]) -> Creep | None:
-    """Return the creep with the greatest ratio to its limit; None if no creep was measured."""
+    """Return the creep with the greatest ratio to its limit; None if no creep was measured.
+
+    A stack without a verdict, such as one in neutral balance, may creep.
+    """
     measured = [
         Creep(trial.creep_m_s, trial.creep_limit_m_s)
         for group in groups
         for trial in group.draws
-        if trial.creep_m_s is not None and trial.creep_limit_m_s and trial.expectation.outcome == "stand"
+        if trial.creep_m_s is not None and trial.creep_limit_m_s
+        if trial.expectation.outcome == "stand" and trial.verdict != "none"
     ]
     return max(measured, key=lambda creep: creep.m_s / creep.limit_m_s, default=None)
 

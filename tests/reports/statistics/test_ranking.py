@@ -88,6 +88,7 @@ def test_the_creep_of_a_set_up_is_that_nearest_to_its_limit() -> None:
         record(scene="thick", creep_m_s=3e-6, creep_limit_m_s=9e-6),
         record(scene="thin", creep_m_s=1e-6, creep_limit_m_s=1.3e-6),
         record(scene="falling", expectation=FALLS, creep_m_s=1.0, creep_limit_m_s=1e-6),
+        record(scene="neutral", verdict="none", creep_m_s=1.0, creep_limit_m_s=1e-6),
     )
     assert ranking.places[0].creep == Creep(1e-6, 1.3e-6)
     assert ranking.places[0].set_up == SetUp("bullet", "game", "none")
