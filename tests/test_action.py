@@ -60,3 +60,17 @@ def test_the_action_runs_a_study_keeps_its_baseline_and_fails_on_a_regression(ac
     paths = os.pathsep.join(map(str, (planted, ROOT, ROOT / "tests/bench/plants")))
     assert action.run({"PYTHONPATH": paths}, study="ours.toml") == 1
     assert "four&#95;stack-3" in (results / "comparison.md").read_text()
+    assert action.run(study="ours.toml") == 0, "the good baseline again"
+
+    server = tmp_path / "server"
+    subprocess.run(["git", "init", "--quiet", "--bare", server / "us" / "engine"], check=True)
+    job = {"GITHUB_SERVER_URL": server.as_uri(), "GITHUB_REPOSITORY": "us/engine", "GITHUB_RUN_ATTEMPT": "1"}
+    for run in ("7", "8"):
+        assert (
+            action.run(job | {"GITHUB_RUN_ID": run, "PYTHONPATH": paths}, study="ours.toml", pictures_branch="fell")
+            == 1
+        )
+        assert f"/us/engine/raw/fell/{run}-1/1.png)" in (results / "comparison.md").read_text()
+        assert action.run(study="ours.toml") == 0
+    kept = ["git", "-C", server / "us" / "engine", "ls-tree", "-r", "--name-only", "fell"]
+    assert subprocess.run(kept, capture_output=True, text=True, check=True).stdout.split() == ["7-1/1.png", "8-1/1.png"]
