@@ -148,7 +148,7 @@ class Press:
 
 @dataclass(frozen=True, slots=True)
 class Tilt:
-    """Action that turns gravity about a horizontal axis, which is equivalent to tilting the ground.
+    """Action that turns gravity about a horizontal axis, as if the ground tilted.
 
     Every frame turns gravity by one step; after ``seconds`` gravity has turned by ``speed`` times ``seconds``.
     """

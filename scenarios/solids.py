@@ -177,13 +177,19 @@ def has_one_friction(bricks: Iterable[Brick], world: World) -> bool:
 def check_solid(brick: Brick) -> None:
     """Raise ``ValueError`` unless shape, size, friction, restitution and moments of a brick are valid."""
     if not all(math.isfinite(edge) and edge > 0 for edge in brick.size):
-        raise ValueError(f"brick size must be three positive lengths, got {brick.size} m")
+        raise ValueError(f"brick size must be three positive lengths, got {brick.size} m: give lengths above 0 m")
     if brick.shape != "box":
         _check_shape(brick)
     if brick.friction is not None and not 0 <= brick.friction <= MAX_FRICTION:
-        raise ValueError(f"brick friction must be None or a number from 0 to {MAX_FRICTION:g}, got {brick.friction}")
+        raise ValueError(
+            f"brick friction must be None or a number from 0 to {MAX_FRICTION:g}, got {brick.friction}: give None for "
+            "the world's coefficient"
+        )
     if brick.restitution is not None and not 0 <= brick.restitution <= 1:
-        raise ValueError(f"brick restitution must be None or a number from 0 to 1, got {brick.restitution}")
+        raise ValueError(
+            f"brick restitution must be None or a number from 0 to 1, got {brick.restitution}: give None for the "
+            "world's coefficient"
+        )
     if brick.moments is not None:
         _check_moments(brick.moments)
 
@@ -213,11 +219,13 @@ def _check_shape(brick: Brick) -> None:
 def _check_moments(moments: Vector) -> None:
     largest = max(moments)
     if not all(math.isfinite(moment) and moment > 0 for moment in moments):
-        raise ValueError(f"moments of inertia must be three positive numbers, got {moments} kg m2")
+        raise ValueError(
+            f"moments of inertia must be three positive numbers, got {moments} kg m2: give None for a homogeneous brick"
+        )
     if largest > (sum(moments) - largest) * (1 + _EXCESS):
         raise ValueError(
-            f"no body has the moments of inertia {moments} kg m2, because one is larger than the sum of the other two: "
-            "correct the moments"
+            f"no body has the moments of inertia {moments} kg m2, because one moment is larger than the sum of both "
+            "others: correct the moments"
         )
 
 
@@ -236,7 +244,9 @@ def _made(
     check_solid(brick)
     known = mass if density is None else density * volume_of(shape, size)
     if known is None or not (math.isfinite(known) and known > 0):
-        raise ValueError(f"mass and density must be positive and finite, got {mass} kg and {density} kg/m3")
+        raise ValueError(
+            f"mass and density must be positive and finite, got {mass} kg and {density} kg/m3: give a mass above 0 kg"
+        )
     return replace(brick, mass=known)
 
 

@@ -1,9 +1,9 @@
 """All tolerances of the core, each with unit, default and reason: one set for all engines and all sizes.
 
-The unit of lengths is the size of a body, which the core infers from the body's contacts
-(``contact_filter.note_sizes``). The unit of speeds is sqrt(gravity times size). With these units the core judges a
-stack of any scale in the same way: a stack a hundred times larger falls ten times more slowly. Times are in seconds, at
-any frame rate. For the paper's plank of 117 mm, each default equals the length or the speed in the default's reason.
+The unit of lengths is a body's size. The core infers the size from the body's contacts (``contact_filter.note_sizes``).
+The unit of speeds is sqrt(gravity times size). With these units the core judges a stack of any scale in the same way: a
+stack a hundred times larger falls ten times more slowly. Times are in seconds, at any frame rate. For the paper's plank
+of 117 mm, each default equals the length or the speed in the default's reason.
 """
 
 from __future__ import annotations
@@ -192,7 +192,9 @@ class Settings:
             if not isinstance(value, int | float | np.integer | np.floating) or isinstance(value, bool):
                 raise ValueError(f"setting {item.name} must be a number, got {value!r}: pass a float")
             if not (math.isfinite(value) and value >= 0):
-                raise ValueError(f"setting {item.name} must be finite and at least 0, got {value}")
+                raise ValueError(
+                    f"setting {item.name} must be finite and at least 0, got {value}: pass a number from 0"
+                )
         if self.repose >= math.pi / 2:
             raise ValueError(
                 f"setting repose must be below pi/2 rad, got {self.repose}: pass the angle in radians, such as "

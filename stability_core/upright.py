@@ -40,7 +40,10 @@ def checked_gravity(gravity: Sequence[float]) -> tuple[float, float, float]:
     """
     vector = np.asarray(gravity, np.float64)
     if not (vector.shape == (3,) and np.isfinite(vector).all() and vector.any()):
-        raise ValueError(f"gravity must be three finite numbers [m/s2], not all zero, got {gravity}")
+        raise ValueError(
+            f"gravity must be three finite numbers [m/s2], not all zero, got {gravity}: pass a vector such as "
+            "(0.0, 0.0, -9.81)"
+        )
     x, y, z = vector.tolist()
     return x, y, z
 

@@ -51,7 +51,7 @@ def corbelled_arch(*, courses: Annotated[int, Whole(2, 30)] = 5, margin: Margin 
         least = 1 - 1 / (courses * limit)
         raise ValueError(
             f"margin must be above {least:.3f} with {courses} courses, got {margin:g}, because with a smaller margin "
-            "the sides fall before the capstone is placed: use a larger margin, or fewer courses"
+            "the sides fall before the capstone's placement: use a larger margin, or fewer courses"
         )
     top_inner_end = (length - 2 * SHARED * length) / 2
     foot = top_inner_end + length / 2 + (courses - 1) * step * length

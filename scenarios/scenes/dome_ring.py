@@ -9,8 +9,8 @@ Theory: a single stone slides inward, because the seat's ``SLOPE`` exceeds the a
   forces that hold the stones. In engines the stones meet the seats of their neighbours after 20 mm, and may jam there.
   Therefore half a ring is a study.
 
-Look for: pressure between the sides, which arises only as the stones begin to slide. A rule that judges each stone by
-the bodies below the stone freezes half a ring, or never freezes a whole ring.
+Look for: pressure between the sides arises only when the stones begin to slide. A rule that judges each stone by the
+bodies below the stone freezes half a ring, or never freezes a whole ring.
 """
 
 from __future__ import annotations

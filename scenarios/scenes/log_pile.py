@@ -95,7 +95,7 @@ def _expectation(rows: int, stops: str, friction: float) -> Expectation:
 
 
 def _stops(reach: float, load: float, scale: float) -> list[Brick]:
-    """Return the stops on both sides, which touch the lowest row at the distance ``reach`` [m] from the middle."""
+    """Return two stops that touch the lowest row on both sides, at the distance ``reach`` [m] from the middle."""
     edge = 3 * RADIUS * scale
     size = (edge, LENGTH * scale, edge)
     return [box(size, side * (reach + edge / 2), level=1, mass=STOP * load) for side in (-1, 1)]

@@ -122,7 +122,7 @@ def _two_blocks() -> Scene:
 
 
 def _raised(scene: Scene, narrower: float) -> Scene:
-    """Return the scene on pedestals, which the scene places one second before its first brick."""
+    """Return the scene on pedestals; the pedestals come one second before the first brick of the scene."""
     higher: list[Action] = [
         Place(action.time + 1.0, tuple(lifted(brick) for brick in action.bricks))
         for action in scene.actions

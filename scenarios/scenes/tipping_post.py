@@ -1,4 +1,4 @@
-"""A tall post on its lower edge, which leans a little beyond its balance, and falls slowly at first.
+"""A tall post that leans on its lower edge, a little beyond its balance, and falls slowly at first.
 
 Theory: a post of width b, height h and mass m balances on an edge at atan(b / h) = 5.711 deg. The centre of mass lies
 at the distance R = sqrt(b^2 + h^2) / 2 from the edge, and at the angle phi beyond the vertical above the edge:

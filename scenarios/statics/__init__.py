@@ -1,4 +1,4 @@
-"""The judge: exact statics, independent of ``stability_core``, which decides whether a stack can stand."""
+"""The judge: exact statics decides whether a stack can stand, independently of ``stability_core``."""
 
 from __future__ import annotations
 

@@ -152,14 +152,19 @@ def _judge(bricks: Sequence[Brick], patches: Sequence[Patch], world: World, wall
 def check_pile(bricks: Sequence[Brick], walls: Sequence[Brick], world: World) -> None:
     """Raise ``ValueError`` unless bricks, walls and world are valid; the message names the fault."""
     if not bricks:
-        raise ValueError("bricks must contain at least one brick to judge, got none")
+        raise ValueError("bricks must contain at least one brick to judge, got none: pass the bricks in place")
     for index, brick in enumerate([*bricks, *walls]):
         if not np.isfinite([*brick.size, brick.mass, *brick.position, *brick.quaternion]).all():
             raise ValueError(f"brick {index} must have finite numbers only, got {brick}: check for NaN")
         if min(*brick.size, brick.mass) <= 0:
-            raise ValueError(f"brick {index} must have positive edges and mass, got {brick.size} m, {brick.mass} kg")
+            raise ValueError(
+                f"brick {index} must have positive edges and mass, got {brick.size} m, {brick.mass} kg: give numbers "
+                "above 0"
+            )
         check_solid(brick)
     if not (np.isfinite(world.gravity).all() and any(world.gravity)):
-        raise ValueError(f"gravity must be finite and not zero, got {world.gravity}")
+        raise ValueError(
+            f"gravity must be finite and not zero, got {world.gravity}: give a vector such as (0, 0, -9.81)"
+        )
     if not (np.isfinite(world.friction) and world.friction >= 0):
-        raise ValueError(f"friction must be finite and not negative, got {world.friction}")
+        raise ValueError(f"friction must be finite and not negative, got {world.friction}: give a coefficient from 0")

@@ -302,7 +302,7 @@ def displace(case: Case, kappa: float, most: int, u: FloatArray) -> tuple[bool, 
 
 @compiled
 def displace_in_rounds(case: Case, kappa: float, u: FloatArray) -> tuple[bool, FloatArray]:
-    """Find the solution of ``displace`` by rounds of friction bounds, which are slower but rarely fail.
+    """Find the solution of ``displace`` by rounds of friction bounds: a slower search that rarely fails.
 
     Before and after the call, ``case.bound`` holds ``COULOMB``.
     """

@@ -1,4 +1,4 @@
-"""Correct the forces of the previous frame, which nearly hold a set of bodies, for instance after one more plank.
+"""Correct the nearly balanced forces of the previous frame, for instance after one more plank.
 
 See ``newton`` for the symbols. The cones K' are a little narrower than Coulomb's cones K. Of all forces in K' with
 A f = w, the forces nearest to the previous forces f0 are

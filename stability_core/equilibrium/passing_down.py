@@ -115,7 +115,7 @@ def _supports(problem: Problem) -> tuple[IntArray, IntArray, IntArray, IntArray]
 
 @compiled
 def _bear(problem: Problem, body: int, mine: IntArray, load: FloatArray, force: FloatArray) -> None:
-    """Write the forces of the contacts ``mine`` (k,) below a ``body``, which bear its load, to ``force`` (m, 3)."""
+    """Write to ``force`` (m, 3) the forces with which the contacts ``mine`` (k,) below a ``body`` bear its load."""
     row, share, wanted = np.empty((len(mine), 3)), np.empty(len(mine)), np.empty(3)
     for at in range(len(mine)):
         c = mine[at]

@@ -92,7 +92,10 @@ def solve_equilibrium(contacts: Contacts, masses: Masses, gravity: Sequence[floa
     down = np.asarray(gravity, np.float64)
     strength = float(np.linalg.norm(down)) if down.shape == (3,) else np.nan
     if not (np.isfinite(strength) and strength > 0.0):
-        raise ValueError(f"gravity must be three finite numbers [m/s2], not all zero, got {gravity}")
+        raise ValueError(
+            f"gravity must be three finite numbers [m/s2], not all zero, got {gravity}: pass a vector such as "
+            "(0.0, 0.0, -9.81)"
+        )
     _refuse_flipped(contacts, masses, index_a, index_b, -down / strength)
     upright = rotation_to_upright(-down / strength)
     snapshot, size = _problem(contacts, masses, index_a, index_b, upright, strength)

@@ -122,7 +122,7 @@ class Equilibrium(Policy):
         """Freeze the bodies in safe regions by one compiled call; then freeze other candidates that stand together.
 
         While safe regions decide, the cost is O(1) per changed body. Otherwise the cost is some solves of the affected
-        bodies, which start from the latest forces.
+        bodies. The solves start from the latest forces.
         """
         if len(graph.bodies) > len(self._regions):
             self._regions = regions_for(len(graph.bodies), self._regions)
@@ -300,10 +300,10 @@ class Equilibrium(Policy):
     def _falls(self, graph: Graph, buffers: FrameBuffers, ids: IntArray, seeds: IntArray, outside: int) -> IntArray:
         """Return the frozen bodies among ``ids`` that fall or are in doubt under their live loads, shape (k,).
 
-        The method first computes the loads of live bodies on a rigid stack, which are one of many distributions of
-        their weight. If the stack does not bear these loads, a joint solve includes the stack and the live bodies that
-        do not fall. If the verdict then depends on uncertain loads, the method returns all ``seeds`` or no bodies, by
-        the size of the imbalance.
+        The method first computes the loads of live bodies on a rigid stack. These loads are one of many distributions
+        of their weight. If the stack does not bear these loads, a joint solve includes the stack and the live bodies
+        that do not fall. If the verdict then depends on uncertain loads, the method returns all ``seeds`` or no bodies,
+        by the size of the imbalance.
         """
         live = lying_on(graph, ids)
         for margin, grip in ((0.0, 1.0), (self._wake_margin, self._wake_grip))[len(live) > 0 :]:
