@@ -1,4 +1,4 @@
-"""The harness, which plans trials, runs each trial in its own process, measures and reports."""
+"""The harness, which plans trials, runs each trial in its own process, measures the scene and reports the results."""
 
 from bench.machine.kernel_cache import keep_kernels_apart
 

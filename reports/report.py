@@ -46,7 +46,7 @@ def _fixed(folder: ResultsFolder) -> list[TrialRecord]:
 
 
 class Section(NamedTuple):
-    """Section of a report, which consists of tables."""
+    """Section of a report: a group of tables."""
 
     id: str
     tables: Callable[[ResultsFolder], Sequence[Table]]
@@ -108,7 +108,7 @@ def tables_of(folder: ResultsFolder) -> dict[Section, Sequence[Table]]:
 
 
 def build_report(folder: ResultsFolder, missing: Sequence[str] = (), *, all_stills: bool = False) -> Report:
-    """Write tables, figures, replays, stills and the page of a results folder, from its raw records only.
+    """Write tables, figures, replays, stills and the page of a results folder, from the folder's raw records only.
 
     Args:
         folder: a results folder with at least one trial.

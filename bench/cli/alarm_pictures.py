@@ -1,4 +1,4 @@
-"""Pictures of the stacks of a comparison's alarms, for the comment on a change."""
+"""Pictures of the stacks in the alarms of a comparison, for the comment on a pull request."""
 
 from __future__ import annotations
 
@@ -21,17 +21,18 @@ _PIXELS = (960, 540)
 
 
 def draw_alarms(comparison: Comparison, gates: Collection[Gate], head: Path, to: Path) -> list[tuple[str, Path]]:
-    """Draw the end of each trial with a worse outcome, beside the engine alone if the head has that trial.
+    """Draw the end of each head trial with a worse outcome, beside the same stack without a policy if recorded.
 
     Args:
         comparison: the comparison.
-        gates: gates whose alarms count; without ``outcome`` there are no pictures.
+        gates: gates whose alarms count; without ``outcome`` the function draws no pictures.
         head: results folder of the head.
         to: folder of the pictures, which need not exist. The files have numbers as names, because an id of a trial may
             contain any character.
 
     Returns:
-        The trial and the file of each picture, at most ``MOST_PICTURES``, one for all repeats of a trial.
+        Id of the trial and file of each picture; at most ``MOST_PICTURES`` pictures, and one for all repeats of a
+        trial.
     """
     if "outcome" not in gates:
         return []
@@ -53,7 +54,7 @@ def draw_alarms(comparison: Comparison, gates: Collection[Gate], head: Path, to:
 
 
 def _worse(alarms: Collection[Finding], records: Collection[TrialRecord]) -> Iterator[TrialRecord]:
-    """Yield the first recorded repeat of each trial, or group of repeats, that has an alarm."""
+    """Yield the first recorded repeat of each trial in ``alarms``."""
     names = {without_repeat(alarm.trial) for alarm in alarms}
     for record in records:
         if (name := without_repeat(record.trial)) in names:

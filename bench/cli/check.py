@@ -56,7 +56,7 @@ def _knobs(engine: str, profile: str) -> Iterator[str]:
 
 
 def check_engine(engine: str, profile: str, console: Console) -> int:
-    """Run every applicable check, print its result, and return the number of failures.
+    """Run all applicable checks, print the result of each check, and return the number of failures.
 
     Raises:
         UnknownNameError: if no engine has this name, or the engine has no such profile.

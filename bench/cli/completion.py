@@ -54,7 +54,7 @@ SCRIPTS = {"bash": _BASH, "zsh": _ZSH, "fish": _FISH}
 
 
 def completing(names: Callable[[], Iterable[str]]) -> Callable[[str], list[str]]:
-    """Return a completion function, which returns the names of ``names()`` that start with the text typed so far."""
+    """Return a function that completes a typed text to those of ``names()`` that start with this text."""
 
     def complete(incomplete: str) -> list[str]:
         return sorted(name for name in names() if name.startswith(incomplete))
@@ -63,7 +63,7 @@ def completing(names: Callable[[], Iterable[str]]) -> Callable[[str], list[str]]
 
 
 def profile_names() -> set[str]:
-    """Return the names of the profiles of all engines, from the profile files, because engines take seconds to load."""
+    """Return the profile names of all engines from their files, because engines take seconds to load."""
     files = (tomllib.loads(file.read_text(encoding="utf-8")) for file in FOLDER.glob("*.toml"))
     return {name for content in files for name in content.get("profiles", ())}
 
@@ -83,7 +83,7 @@ def show_completion(wanted: bool) -> None:
 
 
 def install_completion(wanted: bool) -> None:
-    """Write the completion script of the present shell, load it when a shell starts, and exit."""
+    """Write the completion script of the present shell, make new shells load the script, and exit."""
     if not wanted:
         return
     shell = _shell()

@@ -44,7 +44,7 @@ ERR = Console(stderr=True)
 
 @contextmanager
 def input_errors() -> Iterator[None]:
-    """Print the message of an input error in the block without a traceback, and exit with status 2."""
+    """Turn an input error inside the ``with`` block into its message without a traceback, and exit status 2."""
     try:
         yield
     except (
@@ -91,7 +91,7 @@ def read_folder(folder: Path) -> list[TrialRecord]:
 
 @contextmanager
 def printed_warnings() -> Iterator[None]:
-    """Print the record warnings of the code inside the ``with`` block."""
+    """Print each ``RecordWarning`` of the code inside the ``with`` block."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", RecordWarning)
         yield

@@ -116,7 +116,7 @@ def from_back_to_front(boxes: Boxes, toward: FloatArray) -> list[int]:
 
 
 def _gap(lower: FloatArray, upper: FloatArray, directions: FloatArray) -> float:
-    """Return the widest gap [m] between two boxes along any of n directions; negative if they overlap along each.
+    """Return the widest gap [m] between two boxes along any of n directions; negative if the boxes overlap along all.
 
     Args:
         lower: corners [m] of the first box, shape (8, 3).

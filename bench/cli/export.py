@@ -28,7 +28,7 @@ def export(
     """Write the bricks, fixed bodies, gravity and friction of a scene as MJCF, URDF or USD."""
     wanted = [name for name, chosen in (("mjcf", mjcf), ("urdf", urdf), ("usd", usd)) if chosen]
     if len(wanted) != 1:
-        raise typer.BadParameter("choose one format: --mjcf, --urdf or --usd")
+        raise typer.BadParameter(f"expected one format, got {len(wanted)}: choose one of --mjcf, --urdf and --usd")
     with input_errors():
         try:
             built = build("own_scene", file=scene) if is_file(scene) else build(scene)

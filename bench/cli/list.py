@@ -40,7 +40,7 @@ def list_(
         typer.Option("--truth", help="With --scenario: judge the scene by exact statics, with margins and proof."),
     ] = False,
 ) -> None:
-    """List scenarios with their theory, engines, profiles, policies and studies."""
+    """List scenarios, engines, profiles, policies and studies."""
     if truth and scenario is None:
         raise typer.BadParameter("--truth judges one scene: add --scenario NAME or --scenario FILE")
     if scenario is not None:
@@ -69,7 +69,7 @@ def _print_scene(name: str, *, is_judged: bool) -> None:
 
 
 def print_catalogue(console: Console) -> None:
-    """Print scenarios, engines with their profiles and capabilities, policies and studies."""
+    """Print tables of the scenarios, profiles, engine capabilities, policies and studies."""
     for table in (_scenarios({name: build(name) for name in SCENARIOS}), _engines()):
         console.print(table)
         console.print()
@@ -87,7 +87,7 @@ def _table(title: str, *columns: str) -> Table:
 
 
 def _scenarios(scenes: Mapping[str, Scene]) -> Table:
-    """Return the table of scenes, by the names of their scenarios."""
+    """Return the table of scenarios; ``scenes`` are their default scenes, by name of the scenario."""
     table = _table("Scenarios", "name", "must, by theory", "theory", "look for")
     for name, scene in scenes.items():
         scenario = SCENARIOS[name]
@@ -101,7 +101,7 @@ def _scenarios(scenes: Mapping[str, Scene]) -> Table:
 
 
 def _parameter(name: str, default: Value, allowed: Range | None) -> str:
-    """Return a parameter's name, its default and, in brackets, its range."""
+    """Return the name and default of a parameter and, in brackets, the allowed range."""
     return f"{name}={default}" + (f" ({allowed})" if allowed else "")
 
 

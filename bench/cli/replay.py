@@ -25,7 +25,7 @@ from scenarios.lookup import look_up
 
 
 class Colour(StrEnum):
-    """What the colours of bricks show."""
+    """Quantity that the colours of bricks show."""
 
     STATE = "state"
     LOAD = "load"
@@ -82,7 +82,7 @@ def replay(
     fps: Annotated[int, typer.Option(help="Frames per second of the video.")] = 25,
     speed: Annotated[float, typer.Option(help="Simulated seconds per second of the video.")] = 1.0,
 ) -> None:
-    """Show a trial in the browser, side by side with the other policies on the same stack, or write it to a file."""
+    """Show a trial in the browser beside the same stack under other policies, or write the trial to a file."""
     with input_errors():
         records = read_folder(folder)
         if gltf is not None:
@@ -119,12 +119,12 @@ def _show(page: Path, show: bool) -> None:
 
 
 def replay_trial(folder: Path, records: Sequence[TrialRecord], trial: str, *, with_margins: bool = False) -> Path:
-    """Write the replay of a trial, side by side with the same stack under the other policies; return its path.
+    """Write the replay of a trial beside the same stack under other policies; return the path of the replay.
 
     Raises:
         UnknownNameError: if there is no such trial.
         RecordingError: if the trial was not recorded, or its recording is incomplete.
-        ExportError: if margins are wanted, and a recording has none.
+        ExportError: if ``with_margins`` is True, and a recording has no margins.
     """
     wanted, others = _stack(records, trial)
     shown = Replayed(wanted, ResultsFolder(folder).recording(wanted.trial))
@@ -134,13 +134,13 @@ def replay_trial(folder: Path, records: Sequence[TrialRecord], trial: str, *, wi
 def side_by_side(
     folder: Path, records: Sequence[TrialRecord], trial: str, beside: Sequence[str] | None
 ) -> list[Replayed]:
-    """Return a trial, and the trials of the same stack to draw on the left of the trial, with their recordings.
+    """Return the recorded trials to draw from left to right: other trials of the same stack, then ``trial``.
 
     Args:
         folder: a results folder.
         records: records of that folder.
         trial: id of the trial.
-        beside: policies of the trials to draw beside the trial; None for the engine alone, if that trial was recorded.
+        beside: policies of the other trials; None for the engine alone, if the folder has its recording.
 
     Raises:
         UnknownNameError: if there is no such trial, or no trial of the same stack under a policy of ``beside``.
@@ -157,7 +157,7 @@ def side_by_side(
 
 
 def _stack(records: Sequence[TrialRecord], trial: str) -> tuple[TrialRecord, list[TrialRecord]]:
-    """Return a trial, and the other trials of the same stack."""
+    """Return the record of a trial, and the records of all other trials of the same stack."""
     wanted = look_up("trial", trial, {record.trial: record for record in records})
     others = [record for record in records if stack_of(record) == stack_of(wanted) and record.trial != wanted.trial]
     return wanted, others

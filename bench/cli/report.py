@@ -54,7 +54,7 @@ def make_report(folder: Path, *, all_stills: bool = False) -> Report:
 
 
 def show(report: Report) -> None:
-    """Print the tables of a report, the first places of its ranking, and then its verdict."""
+    """Print the tables of a report, the first places of the ranking, and then the verdict."""
     for table in report.tables:
         render(with_short_notes(table, _NOTE), OUT)
     if report.ranking.rows:

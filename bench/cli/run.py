@@ -97,7 +97,7 @@ def run(
                 "--jobs, and start each worker with --nthreads"
             )
         if dask is not None and (watch or watch_at):
-            raise ClusterError("--watch applies to trials on this machine only: leave it out, or leave out --dask")
+            raise ClusterError("--watch applies to trials on this machine only: leave out --watch or --dask")
         chosen = selected(load_study(study), wanted)
         if study in study_names() and not engine:
             chosen, missing = installed_part(chosen)
@@ -128,7 +128,7 @@ def run(
 
 
 def _viewer(opens: bool, address: str | None) -> str | None:
-    """Return the address of the viewer of Rerun, opened if necessary; None without a viewer."""
+    """Return the address of the Rerun viewer, or None without a viewer; open a viewer if ``opens`` is True."""
     if address is not None:
         require_rerun()
         return address
@@ -161,7 +161,10 @@ def _show_plan(study: Study, folder: Path, fresh: bool, jobs: int) -> None:
 
 
 def _run(study: Study, results: Results, outcomes: Outcomes, as_json: bool) -> None:
-    """Run the trials without a record, and write each outcome at once; if interrupted, print how to continue."""
+    """Run the trials that have no record, and write each outcome at once.
+
+    After an interruption, print how to continue.
+    """
     waiting = waiting_trials(study, results.statuses)
     if results.torn:
         note("the last line of trials.jsonl is incomplete after an interruption: the run repeats that trial")

@@ -18,10 +18,10 @@ _POLL_S = 0.5
 
 
 class CompileBar(AbstractContextManager["CompileBar"]):
-    """A bar that appears with the first compiled kernel, and is replaced by one line at the end.
+    """Progress bar that appears with the first compiled kernel; at the end, one line replaces the bar.
 
-    A thread counts the kernels in Numba's cache, because another process compiles them. If the output is no terminal,
-    no bar appears, because the core then logs the time of the compilation.
+    A thread counts the kernels in Numba's cache, because another process compiles them. Without a terminal no bar
+    appears, because the core then logs the time of the compilation.
     """
 
     def __init__(self, console: Console) -> None:
@@ -80,13 +80,13 @@ class CompileBar(AbstractContextManager["CompileBar"]):
 
 
 def kernels_cached() -> int:
-    """Return how many kernels of the core are in Numba's cache."""
+    """Return the number of the core's kernels in Numba's cache."""
     folders = {Path(kernel.stats.cache_path) for kernel in KEPT}
     cached = {index.name.partition("-")[0] for folder in folders for index in folder.glob("*.nbi")}
     return sum(_index_name(kernel) in cached for kernel in KEPT)
 
 
 def _index_name(kernel: object) -> str:
-    """Return the beginning of the name of a kernel's file in Numba's cache: the kernel's module and function."""
+    """Return the start of the name of a kernel's cache file: the kernel's module and function."""
     function = kernel.py_func  # type: ignore[attr-defined]
     return f"{function.__module__.rpartition('.')[2]}.{function.__qualname__}"

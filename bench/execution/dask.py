@@ -1,8 +1,7 @@
-"""Run a study on a Dask cluster: workers run the trials, each in its own process, and the client collects the outcomes.
+"""Run a study on a Dask cluster: workers run each trial in its own process, and the client collects the outcomes.
 
 The user starts scheduler and workers with Dask's commands (``dask scheduler``, ``dask worker``) from the same checkout.
-A worker runs as many trials at a time as it has threads. If a worker is lost, Dask runs its trials again on another
-worker.
+A worker runs as many trials at a time as it has threads. Dask runs the trials of a lost worker again on another worker.
 """
 
 from __future__ import annotations
@@ -38,6 +37,9 @@ _POLL_S = 0.2
 _DECISIVE = ("python", "packages", "lock_sha256", "sources", "settings", "engines")
 """Properties of an environment that must be the same on every worker, so that a trial has one outcome everywhere."""
 
+_LOST = "the client lost the Dask scheduler: start the scheduler again, then repeat the command to continue"
+"""Message of the error after the loss of the scheduler."""
+
 _at_work: dict[str, set[IsolatedTrial]] = {}
 """Running trials of this worker, by the name of their run."""
 _preparing = threading.Lock()
@@ -69,7 +71,7 @@ class RemoteOutcome(NamedTuple):
 
 @contextmanager
 def connected(address: str) -> Iterator[Client]:
-    """Yield a connection to the scheduler at ``address``, such as ``tcp://10.0.0.1:8786``, with Dask's log silenced.
+    """Yield a connection to the scheduler at ``address``, such as ``tcp://10.0.0.1:8786``; silence Dask's log.
 
     Raises:
         ClusterError: if no scheduler answers within ``CONNECT_S``.
@@ -109,7 +111,7 @@ def run_on_cluster(
         stopped: function that returns True to end the run early, without outcomes of the running trials.
 
     Raises:
-        ClusterError: if a worker runs another checkout, or the scheduler is lost.
+        ClusterError: if a worker runs another checkout, or the client loses the scheduler.
     """
     decisive = {name: environment[name] for name in _DECISIVE}
     order = Order(uuid.uuid4().hex, tuple(engines), tuple(core_policies), limits, decisive)
@@ -131,7 +133,7 @@ def run_on_cluster(
             if stopped():
                 return
             if client.status != "running":
-                raise ClusterError("the scheduler was lost: start it again, then run the same command to continue")
+                raise ClusterError(_LOST)
             time.sleep(_POLL_S)
     finally:
         if by_key and client.status == "running":
@@ -149,11 +151,11 @@ def _result(future: Future[RemoteOutcome], trial: Trial, environment: Mapping[st
     except ClusterError:
         raise
     except CancelledError as error:
-        raise ClusterError("the scheduler was lost: start it again, then run the same command to continue") from error
+        raise ClusterError(_LOST) from error
     except Exception as error:  # a trial never raises, so the worker failed to load the code
         why = f"{type(error).__name__}: {error}"
         raise ClusterError(
-            f"a worker must run every trial, but failed ({why}): start the workers again from the same checkout"
+            f"a worker must run trial {trial.id}, but failed ({why}): start the workers again from the same checkout"
         ) from error
 
 
@@ -179,7 +181,7 @@ def _run_trial(trial: Trial, order: Order) -> RemoteOutcome:
 
 @cache
 def _environment(engines: tuple[str, ...]) -> dict[str, Any]:
-    """Return the environment of this worker, computed once, because the worker loads its code only once."""
+    """Return the environment of this worker. The cache is valid, because the worker loads its code only once."""
     return describe(engines)
 
 
@@ -192,6 +194,6 @@ def _prepare(engines: tuple[str, ...], core_policies: tuple[str, ...]) -> None:
 
 
 def _stop(run: str) -> None:
-    """End the running trials of an abandoned run in this worker."""
+    """End the trials of an abandoned run that this worker still runs."""
     for one in list(_at_work.get(run, ())):
         one.stop()

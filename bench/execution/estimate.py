@@ -64,7 +64,7 @@ class Estimate:
     """Results folders from which the times come."""
 
     def summary(self, jobs: int) -> str:
-        """Return the estimate in words, for ``jobs`` concurrent trials."""
+        """Return the estimate as text, for ``jobs`` concurrent trials."""
         count = self.same + self.similar + self.guessed + self.unknown
         longest = f"at most {_duration(self.unknown * self.limit_s / jobs)}"
         if not self.folders:
@@ -176,7 +176,7 @@ _RATE_KEYS: tuple[Callable[[Setting], Hashable], ...] = (
 
 
 def _listed(folders: Sequence[Path]) -> str:
-    """Return the folders in words; for more than ``MOST_LISTED`` folders of one parent, only their number."""
+    """Return the folders as text; for more than ``MOST_LISTED`` folders of one parent, only the number of folders."""
     by_parent = Counter(folder.parent for folder in folders)
     few = [str(folder) for folder in folders if by_parent[folder.parent] <= MOST_LISTED]
     many = [

@@ -30,7 +30,7 @@ def outcomes_here(
     *,
     viewer: str | None = None,
 ) -> Iterator[Outcome]:
-    """Yield the outcomes of ``trials`` as they finish, ``jobs`` at a time; an interruption ends all running trials.
+    """Run ``jobs`` of the ``trials`` at a time and yield their outcomes; an interruption ends all running trials.
 
     A viewer of Rerun at the address ``viewer``, if any, shows the running trials.
     """
@@ -59,18 +59,18 @@ def outcomes_on_cluster(
     console: Console,
     know: Callable[[Mapping[str, Any]], None],
 ) -> Iterator[Outcome]:
-    """Yield the outcomes of ``trials`` as the workers finish them.
+    """Yield the outcomes of ``trials`` in the order in which workers finish the trials.
 
     The function calls ``know`` with the environment of the worker before each outcome.
 
     Raises:
-        ClusterError: if no scheduler answers, the scheduler is lost, or a worker runs another checkout.
+        ClusterError: if no scheduler answers, the client loses the scheduler, or a worker runs another checkout.
     """
     from bench.execution.dask import connected, run_on_cluster  # its import takes 0.5 s; only a cluster needs it
 
     with connected(address) as client:
         workers = len(client.scheduler_info(n_workers=-1)["workers"])
-        waits = "" if workers else ": the run waits until there is one"
+        waits = "" if workers else ": the run waits for a first worker"
         console.print(f"workers at {address}: {workers}{waits}", highlight=False, soft_wrap=True)
         with show_progress(trials, console) as progress:
             for outcome, where in run_on_cluster(

@@ -1,8 +1,9 @@
 """The fork server: the process that forks all trials. The server loads harness and engines, but opens no engine.
 
-A lock guards the read of a child's exit status. ``multiprocessing`` reads the status from a pipe that contains it only
-once, so that the second of two threads would find the end of the pipe and record status 255. Two threads do read at the
-same time, because the start of a trial polls all children while other threads wait for their own children.
+A lock guards the read of a child's exit status. ``multiprocessing`` reads the status from a pipe. The pipe contains the
+status only once, so that the second of two threads would find the end of the pipe and record status 255. Two threads
+may read at the same time, because the start of a trial polls all children while other threads wait for their own
+children.
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ def start_server(
         engines: engines whose modules the server loads.
         core_policies: policies for which the server compiles the core; empty if no trial uses the core.
         reads_contacts: True if trials without the core also read contacts.
-        core_log: lowest level of messages that the core logs in the server, such as the message that it compiles.
+        core_log: lowest level of messages that the core logs in the server, such as the message about its compilation.
     """
     modules = [ENGINES[engine].module for engine in engines]
     core = ["bench.execution.preload_core"] if core_policies else []
@@ -77,7 +78,7 @@ def start_server(
 
 
 def await_server() -> None:
-    """Wait until the server has loaded all modules and, if necessary, compiled the core."""
+    """Wait until the server has loaded all modules and, if a policy needs the core, its kernels."""
     in_process(os.getpid, None)().result()
 
 
@@ -91,6 +92,9 @@ def stop_everything() -> None:
 
 
 def in_process(function: Callable[..., Any], timeout_s: float | None) -> Callable[..., Any]:
-    """Wrap ``function`` to run in a new process, which pebble ends after ``timeout_s`` [s]; None sets no limit."""
+    """Wrap ``function`` to run in a new process.
+
+    The library pebble ends the process after ``timeout_s`` [s]; None sets no limit.
+    """
     # pebble 5.2 declares the keyword as mp_context but reads it as context, and silently forks without it
     return process(name="stillstack-trial", timeout=timeout_s, context=CONTEXT)(function)  # type: ignore[call-overload, no-any-return]

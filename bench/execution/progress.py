@@ -1,4 +1,4 @@
-"""Show the progress of a run: live bars on a terminal, plain lines elsewhere, so that a log stays readable."""
+"""Show the progress of a run: live bars on a terminal, else plain lines, so that a log file stays readable."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def show_progress(trials: Sequence[Trial], console: Console) -> LiveProgress | P
 
 
 def _counts(ends: Counter[str]) -> str:
-    """Return the counts of the statuses in words; omit timeouts and unsupported trials if there are none."""
+    """Return the count of each status as text; omit timeouts and unsupported trials if their count is zero."""
     failed = sum(ends[status] for status in _FAILED)
     rare = [
         f"{ends[status]} {name}" for status, name in (("timeout", "timed out"), ("unsupported", "n/a")) if ends[status]

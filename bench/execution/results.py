@@ -1,7 +1,7 @@
-"""The results folder of a run, whose file names are fixed.
+"""The results folder of a run, with the same file names for every run.
 
 An interrupted run continues in its folder. After any interruption, even a power cut, a trial with a record on disk also
-has its other files, and the continued run repeats a trial without a record.
+has its other files. The continued run repeats each trial without a record.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ def missing_trials(folder: Path, records: Sequence[TrialRecord]) -> list[str]:
 
 
 class Results:
-    """A results folder, which receives the outcomes of a run one by one; a lock prevents a second run in the folder."""
+    """Results folder that receives the outcomes of a run one by one; a lock prevents a second run in the folder."""
 
     def __init__(
         self,
@@ -157,7 +157,7 @@ class Results:
         return set(self.statuses)
 
     def know(self, environment: Mapping[str, Any]) -> None:
-        """Write the environment of another machine into a file named after the digest in the machine's records."""
+        """Write the environment of another machine to a file with the environment's digest in its name."""
         file = self.folder / f"environment-{digest(environment)}.json"
         if digest(environment) != self._environment and not file.exists():
             write_atomic(file, (json.dumps(environment, indent=2) + "\n").encode())
@@ -200,7 +200,7 @@ def _kept_environment(folder: Path) -> dict[str, Any]:
 
 
 def _put_aside(folder: Path) -> None:
-    """Rename the environment file of the earlier trials to the digest that their records contain."""
+    """Put the digest that the earlier trials record into the name of their environment file."""
     kept = _kept_environment(folder)
     if kept:
         name = digest({key: value for key, value in kept.items() if key != SESSIONS})

@@ -12,7 +12,7 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 class Interruption(AbstractContextManager["Interruption"]):
-    """Context in which a signal to stop only sets ``signal``; later signals change nothing."""
+    """Context in which the first signal to stop only sets ``signal``, and later signals change nothing."""
 
     def __init__(self) -> None:
         self.signal: int | None = None

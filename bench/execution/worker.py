@@ -91,7 +91,7 @@ class IsolatedTrial:
             yield self._news.popleft()
 
     def _attend(self) -> None:
-        """Receive the messages of the process and limit its memory, in a thread of its own."""
+        """Receive the messages of the process, and limit its memory; the body of a thread."""
         with self._reader:
             while not self.future.done():
                 try:
@@ -156,9 +156,9 @@ class IsolatedTrial:
     def _stopped_itself(self, exitcode: int | None) -> bool:
         """Return whether the alarm of ``_run_in_child`` ended the process, not an earlier alarm set by the engine.
 
-        The alarm and pebble's timeout both end a step of the engine that does not return. For a limit of minutes,
-        pebble's timeout comes some seconds late, because pebble counts polls of 0.1 s, each of which takes slightly
-        longer.
+        The alarm and the timeout of the library pebble both end an engine's step that does not return. For a limit of
+        minutes, pebble's timeout comes some seconds late, because pebble counts polls of 0.1 s, and each poll takes
+        slightly longer.
         """
         return exitcode == -signal.SIGALRM and monotonic() - self._begun > self._limits.trial_wall_s
 
@@ -208,7 +208,7 @@ def _end_with_parent() -> None:
 
 
 def _send_output_to(log: Path) -> None:
-    """Redirect the output of engines to a file, so that it stays off the terminal and survives a crash."""
+    """Redirect the output of engines to a file, so that the output stays off the terminal and survives a crash."""
     with log.open("w", encoding="utf-8") as file:
         os.dup2(file.fileno(), 1)
         os.dup2(file.fileno(), 2)
@@ -226,7 +226,7 @@ def _ending(exitcode: int | None) -> str:
 
 
 def _last_words(log: Path) -> str:
-    """Return the last line that a crashed process printed, preferably its last line "Fatal Python error"."""
+    """Return the last line "Fatal Python error" that a crashed process printed; else the last line of its output."""
     try:
         with log.open("rb") as file:
             file.seek(max(0, log.stat().st_size - _TAIL))

@@ -47,20 +47,20 @@ _REASONS = {
 
 
 class InstructionCounter:
-    """Counter of an event in user code of the thread that creates it."""
+    """Counter of an event in the user code of the thread that creates the counter."""
 
     def __init__(self, event: Event = INSTRUCTIONS) -> None:
         """Start the counter.
 
         Raises:
-            OSError: if the system does not permit the counter, or does not have it.
+            OSError: if the system does not permit the counter, or has no such counter.
         """
         number = _SYSCALLS.get(platform.machine())
         if sys.platform != "linux" or number is None:
             raise OSError(
                 errno.ENOSYS,
-                "the counter of instructions needs Linux on x86-64 or 64-bit ARM; run without the counter on this "
-                "system",
+                f"the counter of instructions needs Linux on x86-64 or 64-bit ARM, got {sys.platform} on "
+                f"{platform.machine()}: compare times on this system",
             )
         fields = struct.pack("=IIQQQQQ", event.type, _SIZE, event.config, 0, 0, 0, _USER_CODE_ONLY)
         attributes = ctypes.create_string_buffer(fields, _SIZE)
@@ -80,7 +80,7 @@ class InstructionCounter:
 
 @cache
 def process_counter() -> InstructionCounter | None:
-    """Return the instruction counter of this process, which the first call opens; None if it is not available."""
+    """Return the instruction counter of this process, which the first call opens; None if there is no counter."""
     try:
         return InstructionCounter()
     except OSError:
@@ -88,7 +88,7 @@ def process_counter() -> InstructionCounter | None:
 
 
 def availability() -> str:
-    """Return ``COUNTED``, or the reason for which instructions cannot be counted on this machine."""
+    """Return ``COUNTED``, or the reason why this machine cannot count instructions."""
     try:
         InstructionCounter().close()
     except OSError as error:

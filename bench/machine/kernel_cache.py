@@ -2,8 +2,8 @@
 
 Numba's cache detects a change of the kernel's own file, but not a change of an inlined kernel in another file. After an
 update of the checkout, Numba would therefore use stale kernels. A folder named after the digest of all sources prevents
-this. Kernels that were compiled with NumPy 2 cannot be loaded with NumPy 1, which an old engine may need, so that
-NumPy 1 has folders of its own.
+this. NumPy 1, which an old engine may need, has folders of its own, because it cannot load kernels compiled with NumPy
+2.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ _CORE = ROOT / "stability_core"
 def keep_kernels_apart() -> None:
     """Set Numba's cache folder to the folder for this version of the core, unless the user has set a cache folder.
 
-    A folder that a parent process chose here is chosen again, because this process may have another release of NumPy.
-    Call this function before the first import of Numba.
+    The function replaces a folder that a parent process chose here, because this process may have another release of
+    NumPy. Call this function before the first import of Numba.
     """
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     kernels = home / "stillstack" / "kernels"

@@ -12,7 +12,7 @@ _KIB_PER_MIB = 1024
 
 
 class PeakMemory:
-    """Measurement of the growth of this process's resident memory above its size at the start.
+    """Measurement of the growth of this process's resident memory above the size at the start.
 
     The constructor resets the peak, so that an earlier peak of the same process does not count.
     """

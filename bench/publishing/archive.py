@@ -1,4 +1,4 @@
-"""The archive of a frozen round: one zip file to deposit, whose bytes depend only on the files of the round."""
+"""The archive of a frozen round: one zip file to deposit. Its bytes depend only on the files of the round."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ _UNIX = 3
 def write_archive(folder: Path, to: Path) -> Path:
     """Write a frozen round into ``to / stillstack-results-DATE.zip``; return the path of the zip file.
 
-    The archive contains the files of the round and their checksums. The entries are not compressed, because compressed
-    bytes depend on the version of the compressor and most data are compressed already.
+    The archive contains the files of the round and their checksums. The archive does not compress the entries, because
+    compressed bytes depend on the version of the compressor, and most data are compressed already.
 
     Raises:
         RoundError: if there is no such round, or one of its files has changed.
@@ -44,7 +44,7 @@ def write_archive(folder: Path, to: Path) -> Path:
 
 
 def _entries(folder: Path) -> Iterator[tuple[str, bytes]]:
-    """Yield path and content of each file of the archive, in the order of the paths, and the checksums last."""
+    """Yield path and content of each file of the archive, sorted by path, with the checksums last."""
     names = sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
     sums = []
     for name in names:

@@ -1,4 +1,4 @@
-"""The studies published in ``docs/results``, and the command that runs each of them."""
+"""The studies published in ``docs/results``, and the command that runs each study."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Gallery:
 
 @dataclass(frozen=True, slots=True)
 class Publication:
-    """A study with its selection, whose results are published in a folder of ``docs/results``."""
+    """A study with a selection; its results are in a folder of ``docs/results``."""
 
     shows: str
     """Description of the publication's content, in one line."""
@@ -56,7 +56,7 @@ class Publication:
         return shlex.join(["uv", "run", "-m", "bench", "run", *self.arguments])
 
     def resolved(self) -> Study:
-        """Return the study with the selection applied; raise the errors of ``selected``."""
+        """Return the study restricted to the selection; raise the errors of ``selected``."""
         return selected(load_study(self.study), self.selection)
 
 

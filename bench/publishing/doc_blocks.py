@@ -67,13 +67,13 @@ def many_seeds_block() -> str:
 
 
 def separation_block() -> str:
-    """Return the table that compares the engines, alone and with the extension, by figures from several studies."""
+    """Return the table that compares engines without and with the extension, by figures from several studies."""
     table = separation_table({name: ResultsFolder(PUBLISHED / name) for name in STUDIES})
     return _untitled(table) + "".join(dict.fromkeys(map(_caveat, STUDIES)))
 
 
 def pairs_block() -> str:
-    """Return the table of pairs with both outcomes correct: profile ``tuned``, by engine and policy."""
+    """Return the table of pairs with both outcomes correct in profile ``tuned``, by engine and policy."""
     tuned = [record for record in _records("truth") if record.profile == "tuned"]
     rows = [row for row in pair_rows(groups_of(tuned)) if row.family == ALL]
     counted = {(row.set_up.engine, row.set_up.policy): right_of_judged(row.success_rates) for row in rows}
@@ -117,14 +117,14 @@ def results_block() -> str:
 
 
 def cores_block() -> str:
-    """Return the table of the published pages, each with the digest of the core that made it."""
+    """Return the table of the published pages, with the digest of the core that made each page."""
     present = present_core()
     rows = tuple((f"[`{name}`]({name})", *_core(page, present)) for name, page in _published_pages())
     return _untitled(Table("", ("Page", "Core", "Claims"), rows))
 
 
 def example_block(part: str) -> str:
-    """Return a part of the tutorial's example, between its marks ``# begin PART`` and ``# end PART``, as a code block.
+    """Return the tutorial's example between the marks ``# begin PART`` and ``# end PART``, as a code block.
 
     Raises:
         ValueError: if the example has no such part.
@@ -145,7 +145,7 @@ def _core(page: Path, present: str) -> tuple[str, str]:
 
 
 def claims_block() -> str:
-    """Return a sentence that lists the pages made with an earlier core, for documents that quote them."""
+    """Return a sentence that lists the pages made with an earlier core, for documents that quote these pages."""
     present = present_core()
     earlier = [name for name, page in _published_pages() if warning(core_of(page), present)]
     if not earlier:
@@ -165,7 +165,7 @@ def _caveat(name: str) -> str:
 
 
 def scenes_block() -> str:
-    """Return each scenario with its description, and the theory and the hint "Look for" of its default scene."""
+    """Return the description of each scenario, and the theory and the hint "Look for" of its default scene."""
     return "\n".join(_scene(name, scenario) for name, scenario in SCENARIOS.items())
 
 

@@ -53,7 +53,7 @@ def _counted(count: int, noun: str) -> str:
 
 
 def _has_changed(engines: Mapping[str, Any], engine: str, profile: str) -> bool:
-    """Return whether the settings of a profile differ from the settings recorded in the environment of the run."""
+    """Return whether the present settings of a profile differ from the settings in the environment file."""
     then = engines.get(engine, {}).get("profiles", {}).get(profile)
     now = described_profiles(engine).get(profile)
     return then is not None and (now is None or _settings(then) != _settings(now))

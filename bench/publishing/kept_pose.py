@@ -71,7 +71,7 @@ class Fall:
 
 
 def seen_from_below(position: FloatArray, quaternion: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the poses of all planks but the lowest, each in the frame of reference of the plank below it.
+    """Return the poses of all planks but the lowest, in the frame of reference of the plank below.
 
     Args:
         position: positions of n planks from bottom to top [m], shape (n, 3), world frame.
@@ -86,7 +86,7 @@ def seen_from_below(position: FloatArray, quaternion: FloatArray) -> tuple[Float
 
 
 def watch_fall(engine: str, policy: str) -> Fall:
-    """Build a leaning tower until it falls, and return its fall."""
+    """Build a leaning tower until the tower falls, and return the fall."""
     scene = build("leaning_tower")
     simulation = open_engine(engine, "game", world=scene.world, sleeping="off", expected=scene.bricks)
     poses: list[tuple[FloatArray, FloatArray]] = []

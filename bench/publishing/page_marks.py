@@ -1,8 +1,8 @@
 """Marks on published pages: the digest of the core that made a page, and a banner if the present core differs.
 
-Each page below ``docs/results`` ends with a line ``core: DIGEST``, which its generator writes together with the numbers
-and nobody changes later. The banner at the top depends on that digest; ``uv run python -m bench.publishing --mark``
-renews all banners.
+Each page below ``docs/results`` ends with a line ``core: DIGEST``. The generator of a page writes this line together
+with the numbers, and nobody changes the line later. The banner at the top depends on that digest; ``uv run python -m
+bench.publishing --mark`` renews all banners.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ def warning(core: str, present: str) -> str:
 
 
 def marked(text: str, core: str, present: str) -> str:
-    """Return the text of a page with the line ``core: DIGEST`` at its end, and with the banner if the core differs."""
+    """Return the text of a page with the line ``core: DIGEST``, and with the banner if ``present`` differs."""
     caveat = warning(core, present)
     banner = f"> **{caveat}**\n\n" if caveat else ""
     return banner + signed(_BANNER.sub("", text), core)

@@ -59,7 +59,7 @@ _STILL_PIXELS, _PICTURE_DPI = 480, 120
 
 
 class PublishError(ValueError):
-    """Results that cannot be published; the message names the reason and the fix."""
+    """Results unfit for publication; the message names the reason and the fix."""
 
 
 def publish(name: str, folder: Path, to: Path = PUBLISHED) -> Path:
@@ -67,7 +67,7 @@ def publish(name: str, folder: Path, to: Path = PUBLISHED) -> Path:
 
     Raises:
         UnknownNameError: if there is no publication with this name.
-        PublishError: if the folder contains another study, lacks trials, or was made with uncommitted sources.
+        PublishError: if the folder contains another study, lacks trials, or comes from uncommitted sources.
         RecordError: if the records cannot be read.
         StillsError: if the publication has a picture that cannot be drawn.
     """
@@ -170,7 +170,7 @@ def main(
     """Publish a study in docs/results; without a results folder, run the study first."""
     if sum((name is not None, is_mark, frozen is not None, archived is not None)) != 1:
         raise typer.BadParameter(
-            "expected one of the name of a publication, --mark, --round and --archive, got none or several"
+            "expected one of NAME (a publication), --mark, --round and --archive, got none or several: give exactly one"
         )
     try:
         if name is not None:
@@ -203,7 +203,7 @@ def _publish(name: str, folder: Path | None) -> Path:
 
 
 def _bench(*arguments: str) -> None:
-    """Run a command of the suite in its own process, and discard its tables."""
+    """Run a ``bench`` command in its own process, and discard the standard output."""
     done = subprocess.run([sys.executable, "-m", "bench", *arguments], cwd=ROOT, stdout=subprocess.DEVNULL, check=False)
     if done.returncode:
         raise typer.Exit(done.returncode)

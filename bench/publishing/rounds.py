@@ -32,7 +32,7 @@ _FORMAT = 1
 
 
 class RoundError(ValueError):
-    """A round that cannot be frozen or has changed; the message names the reason and the fix."""
+    """A changed round, or a round unfit to freeze; the message names the reason and the fix."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +85,7 @@ def require_clean() -> str:
 
 
 def freeze(day: str, source: Source, to: Path = ROUNDS) -> Path:
-    """Copy the published results into ``to / day`` with index, citation and manifest; return that folder.
+    """Copy the published results to ``to / day``, add index, citation and manifest; return the folder ``to / day``.
 
     Args:
         day: date of the round, such as ``2026-11-27``.
@@ -93,8 +93,8 @@ def freeze(day: str, source: Source, to: Path = ROUNDS) -> Path:
         to: folder of the rounds.
 
     Raises:
-        RoundError: if the date is invalid, in the future, or not after the newest round; or if a page has the mark of
-            another core.
+        RoundError: if the date is invalid, in the future, or not after the newest round; if there are no files; or if a
+            page has the mark of another core.
         MarkError: if a page does not name its core.
     """
     _check_day(day, to)
@@ -182,7 +182,7 @@ def _check_day(day: str, to: Path) -> None:
     except ValueError:
         is_date = False
     if not is_date:
-        raise RoundError(f"the date of a round must have the form YYYY-MM-DD, got {day!r}")
+        raise RoundError(f"the date of a round must have the form YYYY-MM-DD, got {day!r}: correct the date")
     today = datetime.now(UTC).date().isoformat()
     if day > today:
         raise RoundError(f"the date of a round must not be in the future, got {day}: give today's date, {today}")
@@ -195,7 +195,7 @@ def _check_day(day: str, to: Path) -> None:
 
 
 def _check_marks(source: Source) -> None:
-    """Raise an error if there are no files, or a page does not name its core or has the mark of another core."""
+    """Raise an error without files, or if a page does not name its core or has the mark of another core."""
     if not source.files:
         raise RoundError(
             f"{source.folder}: a round needs committed results, but the folder contains none; publish a study, and "
@@ -211,7 +211,7 @@ def _check_marks(source: Source) -> None:
 
 
 def _pages(folder: Path, source: Source) -> Iterator[dict[str, str | None]]:
-    """Yield the name of each page with the core that made it and, for a study, the commit of its run."""
+    """Yield for each page its name, its core, the maker of its results and, for a study, the commit of the run."""
     for page in pages(folder):
         has_run = page.name == "tables.md" and (page.parent / ENVIRONMENT).exists()
         core = core_of(page)
@@ -261,7 +261,7 @@ def _counts(manifest: dict[str, Any]) -> str:
 
 
 def _files(folder: Path) -> list[str]:
-    """Return the files of a round without its manifest, relative to ``folder``, sorted."""
+    """Return the sorted paths of the files of a round, relative to ``folder``, without the manifest."""
     found = (path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
     return sorted(name for name in found if name != MANIFEST)
 

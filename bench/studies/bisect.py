@@ -1,4 +1,4 @@
-"""The table ``bisect`` of a scenario in a study: the bisected parameter, the ends of the search, and its tolerance."""
+"""The table ``bisect`` of a scenario in a study: the bisected parameter, and the ends and tolerance of the search."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from scenarios.bisection import Bisection
 
 
 class Bisect(BaseModel):
-    """The search for the value of a parameter at which a stack begins to fall."""
+    """Search for the value of a parameter at which a stack begins to fall."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 

@@ -1,4 +1,4 @@
-"""Error messages for the fields of a study, in the terms of its author."""
+"""Error messages for the fields of a study, in the terms of the study's author."""
 
 from __future__ import annotations
 

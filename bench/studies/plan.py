@@ -1,4 +1,4 @@
-"""The trials of a study, each with an id, so that a continued run skips finished trials."""
+"""The trials of a study. Each trial has an id, so that a continued run skips finished trials."""
 
 from __future__ import annotations
 
@@ -53,12 +53,11 @@ class Trial:
 
 
 def plan_trials(study: Study) -> list[Trial]:
-    """Return all trials that are known before the run.
+    """Return all trials that do not depend on the outcomes of other trials.
 
-    The trials of a scene follow each other, so that all engines and policies play the scene at similar times. The
-    policies on one stack follow each other in alternating order (A B, then B A), so that slow drifts of the machine's
-    speed cancel. For a bisected parameter, the list contains only the trials at both ends; ``next_trials`` returns the
-    other trials.
+    The trials of a scene follow each other, so that all engines and policies play the scene at similar times. The order
+    of the policies on one stack alternates (A B, then B A), so that slow drifts of the machine's speed cancel. For a
+    bisected parameter, the list contains only the trials at both ends; ``next_trials`` returns the other trials.
     """
     return [
         trial
@@ -69,7 +68,7 @@ def plan_trials(study: Study) -> list[Trial]:
 
 
 def waiting_trials(study: Study, statuses: Mapping[str, Status]) -> list[Trial]:
-    """Return the trials that can be run now: the unfinished trials of ``plan_trials``, then ``next_trials``.
+    """Return the trials to run now: the unfinished trials of ``plan_trials``, then ``next_trials``.
 
     Args:
         study: the study to run.
@@ -97,7 +96,7 @@ def next_trials(study: Study, statuses: Mapping[str, Status]) -> list[Trial]:
 
 
 def _next_of(first: Trial, bisect: Bisect, statuses: Mapping[str, Status]) -> list[Trial]:
-    """Return the next trials of a bisection; ``first`` is its trial at the lower end."""
+    """Return the next trials of a bisection; ``first`` is the trial at the lower end."""
     answers: dict[float, bool | None] = {}
     while (bracket := bisect.bisection.bracket(answers)).next:
         trials = [_at(first, bisect.parameter, value) for value in bracket.next]
@@ -108,9 +107,9 @@ def _next_of(first: Trial, bisect: Bisect, statuses: Mapping[str, Status]) -> li
 
 
 def later_trials(study: Study) -> list[Trial]:
-    """Return substitutes for the trials of bisections that are not known yet, to estimate the duration of a run.
+    """Return substitutes for the unknown later trials of bisections, to estimate the duration of a run.
 
-    The number of substitutes is the greatest possible number of such trials. The bisected parameter of each substitute
+    The number of substitutes is the greatest possible number of later trials. The bisected parameter of each substitute
     is the middle of the range of the search.
     """
     return [

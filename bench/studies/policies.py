@@ -1,4 +1,4 @@
-"""The policies of a trial, by name: the engine's own sleeping, or a policy of the core."""
+"""The policies of trials, by name: the engine's own sleeping, or a policy of the core."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class BenchPolicy:
 
 
 def _of_core(name: str) -> BenchPolicy:
-    """Return a policy of the core, on an engine whose own sleeping is off."""
+    """Return a policy of the core that switches off the engine's own sleeping."""
     description = POLICY_SENTENCES.get(name, f"The stability core with its policy '{name}'.")
     return BenchPolicy("off", name, description)
 

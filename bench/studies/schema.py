@@ -1,7 +1,7 @@
 """The schema of a study: engines, scenes, policies and the limits of a trial.
 
-A study is a TOML file. The studies in the folder of this module are known by their names. The schema checks all names
-before the run, and an error names the file, the field and its allowed values.
+A study is a TOML file. The studies of the suite are in the folder of this module. The schema checks all names before
+the run. An error names the file, the field and its allowed values.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ Value: TypeAlias = StrictInt | StrictFloat | StrictStr
 
 
 class StudyError(ValueError):
-    """A study that cannot be run; the message names the file, the field and the fix."""
+    """An invalid study; the message names the file, the field and the fix."""
 
 
 MOST_SEEDS = 100_000
@@ -69,9 +69,7 @@ def _known(kind: str, table: Mapping[str, object]) -> AfterValidator:
 def _without_twins(names: list[str]) -> list[str]:
     twins = sorted({name for name in names if names.count(name) > 1})
     if twins:
-        raise ValueError(
-            f"each value must be named once, but these are named twice: {', '.join(twins)}; remove the repetition"
-        )
+        raise ValueError(f"a list must name each value once, but repeats {', '.join(twins)}; remove the repetition")
     return names
 
 
@@ -102,7 +100,7 @@ class ChosenScenario(_Model):
             yield dict(zip(self.parameters, values, strict=True))
 
     def known_variants(self) -> Iterator[dict[str, Value]]:
-        """Yield the parameters of the variants known before the run: with both ends of the range if bisected."""
+        """Yield the parameters of every variant; a bisected parameter takes the values at both ends of its range."""
         for parameters in self.variants():
             if self.bisect is None:
                 yield parameters
@@ -120,7 +118,7 @@ class ChosenScenario(_Model):
         if self.bisect is not None and self.bisect.parameter in self.parameters:
             raise ValueError(
                 f"parameter '{self.bisect.parameter}' must not be in 'parameters', because 'bisect' varies it: remove "
-                "the parameter there"
+                "the parameter from 'parameters'"
             )
         for parameters in self.known_variants():
             try:
@@ -133,8 +131,8 @@ class ChosenScenario(_Model):
 class Rule(_Model):
     """A rule that includes or excludes trials.
 
-    A rule matches a trial if each list that is not empty contains the trial's engine, profile, policy or scenario,
-    respectively.
+    A rule matches a trial if every list that is not empty contains the trial's value: its engine, profile, policy or
+    scenario.
     """
 
     engines: Annotated[list[EngineName], Distinct] = []
@@ -285,7 +283,7 @@ def study_names() -> list[str]:
 
 
 def load_study(name: str) -> Study:
-    """Return the study of the suite with this name, or the study in the TOML file ``name``.
+    """Return the study of the suite named ``name``, or the study in the TOML file ``name``.
 
     Raises:
         UnknownNameError: if ``name`` is neither the name of a study nor ends with ``.toml``.

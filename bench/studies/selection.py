@@ -34,12 +34,12 @@ class Selection:
 
 
 def is_file(name: str) -> bool:
-    """Return whether a selected scenario is the name of a file, by its suffix."""
+    """Return whether the suffix of a selected scenario makes it the name of a file."""
     return name.lower().endswith(OWN)
 
 
 def selected(study: Study, selection: Selection) -> Study:
-    """Return the study with the selection applied; a selected scenario keeps the study's parameters, if any.
+    """Apply a selection to a study; a selected scenario keeps its parameters from the study, if any.
 
     Raises:
         UnknownNameError: if a selected name does not exist.
@@ -78,7 +78,7 @@ def installed_part(study: Study) -> tuple[Study, list[str]]:
     An engine is optional if it is in a dependency group that ``uv sync`` does not install by default.
 
     Raises:
-        EngineNotInstalledError: if an engine is missing that is not optional, or all engines are missing.
+        EngineNotInstalledError: if a required engine is missing, or all engines are missing.
     """
     missing: dict[str, EngineNotInstalledError] = {}
     for engine in study.engines:
@@ -98,18 +98,18 @@ def installed_part(study: Study) -> tuple[Study, list[str]]:
 
 
 def default_part(study: Study) -> Study:
-    """Return a study of the suite without the optional engines; raise ``StudyError`` if no other engine is left."""
+    """Return a study of the suite without its optional engines; raise ``StudyError`` if no engine remains."""
     content = study.model_dump() | {"engines": [name for name in study.engines if not ENGINES[name].is_optional]}
     return check_study(content, f"study '{study.name}' without optional engines")
 
 
 def _watched_for(study: Study, watch_s: float) -> dict[str, Any]:
-    """Return the fields that make a study watch for ``watch_s`` [s], with a longer limit on wall time."""
+    """Return the fields of a study that set the watch to ``watch_s`` [s] and raise the limit on wall time."""
     longer = max(1.0, watch_s / (study.watch_s or _USUAL_WATCH_S))
     limits = study.limits.model_dump()
     return {"watch_s": watch_s, "limits": limits | {"trial_wall_s": limits["trial_wall_s"] * longer}}
 
 
 def _plain(name: str) -> dict[str, Any]:
-    """Return the fields of a selected scenario that is not in the study: by name with its defaults, or from a file."""
+    """Return the fields of a selected scenario that is not in the study: a scenario with defaults, or a file."""
     return {"name": "own_scene", "parameters": {"file": name}} if is_file(name) else {"name": name}

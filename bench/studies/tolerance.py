@@ -1,4 +1,4 @@
-"""Tolerances of a comparison: differences of outcome and time below which a trial is no regression."""
+"""Tolerances of a comparison: the differences of outcome and time up to which a trial is no regression."""
 
 from __future__ import annotations
 

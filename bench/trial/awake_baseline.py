@@ -1,8 +1,8 @@
 """Time a standing stack without the extension: the baseline (all awake).
 
 A separate trial without the extension cannot be the baseline, because its stack has often fallen. Therefore this module
-loads the stack that was built with the extension, at its actual poses, into a new world of the engine alone, in which
-every brick is awake.
+takes the stack built with the extension, and places it at its actual poses in a new world. In this world the engine
+runs alone, and every brick is awake.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def time_baseline(engine: str, profile: str, world: World, stack: Snapshot) -> B
 
 
 def open_awake(engine: str, profile: str, world: World, stack: Snapshot) -> Simulation:
-    """Open a world of the engine alone that contains the stack at its actual poses with every brick awake."""
+    """Open a world without the extension; place the stack in it at its actual poses, with every brick awake."""
     unit = stack.quaternion / np.linalg.norm(stack.quaternion, axis=1, keepdims=True)
     bricks = [at_pose(*row) for row in zip(stack.bricks, stack.position, unit, strict=True)]
     simulation = open_engine(engine, profile, world=world, expected=bricks)
@@ -84,8 +84,8 @@ def _time_while_it_stands(
 ) -> list[float]:
     """Return the frame times [ms] of up to ``wanted`` frames of a new world.
 
-    The list omits the first ``WARM_UP_FRAMES``, and ends when a brick is out of place or the clock passes ``deadline``
-    [s].
+    The list omits the first ``WARM_UP_FRAMES`` frames. The list ends when a brick is out of place, or when the clock
+    passes ``deadline`` [s].
     """
     plan = Plan.of(stack.bricks)
     simulation = open_awake(engine, profile, world, stack)

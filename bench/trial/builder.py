@@ -23,7 +23,7 @@ first."""
 
 
 class Builder:
-    """Executor of a scene's actions on a simulation, each in the frame in which it is due."""
+    """Executor of a scene's actions on a simulation, in the frame in which each action is due."""
 
     def __init__(self, scene: Scene, simulation: Simulation, listener: Listener | None = None) -> None:
         """Prepare to build a scene.
@@ -72,7 +72,7 @@ class Builder:
         )
 
     def take_set_down(self) -> list[int]:
-        """Return the bodies of prebuilt stacks that were placed since the last call, for the extension to judge."""
+        """Return the bodies of the prebuilt stacks placed since the last call, for the extension to judge."""
         bodies, self._set_down = self._set_down, []
         return bodies
 
@@ -179,7 +179,7 @@ class Builder:
                 self.placed[brick.level] = time
 
     def _resting_shift(self, action: Place) -> float:
-        """Return the shift of planned heights [m] that puts the bricks of an action ``CLEARANCE`` above their support.
+        """Return the shift [m] of planned heights by which an action's bricks lie ``CLEARANCE`` above their support.
 
         The support is a fixed box or a brick of a lower level. A brick that is planned beside the placed bricks is no
         support, although it may overlap them horizontally by micrometres after a small motion. For a pile, the function

@@ -1,4 +1,4 @@
-"""Gravity of tilting ground: simulation and extension receive the new vector in the same frame."""
+"""Gravity on tilting ground: simulation and extension receive the new vector in the same frame."""
 
 from __future__ import annotations
 

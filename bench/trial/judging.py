@@ -36,7 +36,8 @@ def verdict(
         kind: kind of the collapse; None without a collapse.
         collapse_s: simulated time at which the collapse was first seen [s]; None without a collapse.
         creeps: True if the interval of a brick's creep exceeds the creep limit.
-        is_neutral: True if the stack is in neutral balance: a rounding error moves it, and nothing stops it.
+        is_neutral: True if the stack is in neutral balance: a rounding error moves the stack, and nothing stops the
+            motion.
     """
     if expectation.outcome == "study" or status == "unsupported" or (expectation.outcome == "stand" and is_neutral):
         return "none"

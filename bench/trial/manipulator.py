@@ -42,7 +42,7 @@ class _Pulling:
 
 
 class Manipulator:
-    """Manipulator of the bricks of one simulation; the listener receives the bodies that are held or released."""
+    """Manipulator of the bricks of one simulation; the listener receives the bodies that the user holds or releases."""
 
     def __init__(self, simulation: Simulation, listener: Listener | None) -> None:
         self._simulation = simulation
@@ -91,8 +91,8 @@ class Manipulator:
     def pull_on(self, time: float) -> list[int]:
         """Continue the pulls for the frame that starts at ``time`` [s]; remove and return the bodies of ended pulls.
 
-        In each frame a pulled brick receives one impulse, which increases if the brick moved less than intended in the
-        frame before.
+        In each frame a pulled brick receives one impulse. The impulse increases if the brick moved less than intended
+        in the frame before.
         """
         frame_s = self._simulation.info.frame_s
         for body, pulling in self.pulls.items():

@@ -80,7 +80,7 @@ class Plan:
         return thickness
 
     def boxes_at(self, position: FloatArray, quaternion: FloatArray, rows: BoolArray | slice = slice(None)) -> Boxes:
-        """Return the bricks of ``rows`` at poses of all n bricks, [m] (n, 3) and (w, x, y, z) (n, 4)."""
+        """Return the bricks of ``rows``, given centres [m], (n, 3), and quaternions (w, x, y, z), (n, 4), of all."""
         shapes = None
         if self.shapes is not None:
             shapes = [self.shapes[row] for row in np.arange(len(self.size))[rows].tolist()]
@@ -124,9 +124,9 @@ def tilt(plan: Plan, quaternion: FloatArray) -> FloatArray:
     """Return the tilt of each brick from its planned orientation [rad], shape (n,).
 
     The tilt is the angle between the vertical and the same direction after the rotation of the brick from its planned
-    orientation. A rotation about the vertical is therefore no tilt, and neither is a rotation of a round brick about
-    its own axis: the tilt of a cylinder or capsule is the change of the angle between its axis and the vertical, and a
-    sphere has none.
+    orientation. A rotation about the vertical is therefore no tilt. A rotation of a round brick about its own axis is
+    no tilt either: the tilt of a cylinder or capsule is the change of the angle between its axis and the vertical, and
+    the tilt of a sphere is zero.
     """
     w, x, y, z = quaternion.T
     pw, px, py, pz = plan.quaternion.T
@@ -204,7 +204,7 @@ def intact(plan: Plan, position: FloatArray, quaternion: FloatArray) -> bool:
 
 
 def levels_standing(plan: Plan, out_of_place: BoolArray, landed: Collection[int]) -> int:
-    """Return the highest of the ``landed`` levels that is in place with every level below it; 0 if there is none."""
+    """Return the highest level in ``landed`` up to which all levels are in place; 0 if there is no such level."""
     broken = plan.level[out_of_place]
     reach = int(broken.min()) - 1 if len(broken) else math.inf
     return max((level for level in landed if level <= reach), default=0)

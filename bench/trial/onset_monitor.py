@@ -31,7 +31,7 @@ class OnsetMonitor:
         Args:
             scene: a scene with at least one ``Tilt``.
             simulation: the simulation of the scene.
-            is_alone: True without an extension; only then does the monitor read the engine's own contacts.
+            is_alone: True without an extension; the monitor reads the engine's own contacts only in this case.
         """
         self._scene, self._simulation = scene, simulation
         self._first: Tilt = next(action for action in scene.actions if isinstance(action, Tilt))

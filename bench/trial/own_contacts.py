@@ -76,7 +76,7 @@ def limit_slope(
 ) -> float | None:
     """Return the greatest slope at which forces in the Coulomb cones of ``patches`` can hold the bricks [deg].
 
-    The result is None if the forces cannot hold the bricks on level ground, or still hold them at ``STEEPEST``.
+    The result is None if the forces cannot hold the bricks on level ground, or hold the bricks even at ``STEEPEST``.
 
     Args:
         bricks: bricks with the masses and sizes to use.

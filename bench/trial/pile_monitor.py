@@ -101,7 +101,7 @@ class PileMonitor:
     def see(
         self, time: float, plan: Plan, position: FloatArray, quaternion: FloatArray, placed: Mapping[int, float]
     ) -> None:
-        """Record one frame, with the arguments of ``StackMonitor.see``; each brick is a level of its own."""
+        """Record one frame, with the arguments of ``StackMonitor.see``; every brick counts as a level."""
         if self._latest is not None and len(self._latest[1]) == len(position):
             before, was = self._latest
             if measure.fastest(was, position, time - before) > MOVING_M_S:

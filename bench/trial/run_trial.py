@@ -154,7 +154,7 @@ def run_trial(
 def bare_record(
     trial: Trial, scene: Scene, environment: str, status: Status, message: str, **fields: Any
 ) -> TrialRecord:
-    """Return the record of a trial with its identity, its status, the measured ``fields`` and the verdict."""
+    """Return the record of a trial: its identity, its status, the measured ``fields`` and the verdict."""
     collapse = [fields.get(field) for field in ("collapse_level", "collapse_kind", "collapse_s")]
     creep = fields.get("creep_m_s")
     creeps = creep is not None and is_creeping(creep, fields["creep_error_m_s"], fields["creep_limit_m_s"])
@@ -256,7 +256,7 @@ def _creep(playback: Playback, per_min: float) -> dict[str, float]:
 
 
 def _standing_rows(playback: Playback) -> list[FrameRow]:
-    """Return the frames up to the collapse, because later frames contain expensive tumbling bricks."""
+    """Return the frames up to the collapse, because tumbling bricks make later frames expensive."""
     collapse = playback.monitor.collapse
     return playback.rows if collapse is None else [row for row in playback.rows if row.time_s <= collapse.time]
 

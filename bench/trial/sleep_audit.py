@@ -38,7 +38,7 @@ class SleepAudit:
 
     @property
     def moved_after_s(self) -> float | None:
-        """Longest time from a required start until the brick had covered its distance [s]; None if a brick has not."""
+        """Longest time that a brick took to cover its required distance [s]; None if a brick never did."""
         times = [one.moved_after_s for one in self._watched]
         return None if None in times else max(time for time in times if time is not None)
 

@@ -119,8 +119,8 @@ class StackMonitor:
     def _judge(self, plan: Plan, position: FloatArray, quaternion: FloatArray) -> None:
         """Judge the poses; if plan and poses have not changed, keep the last judgement and the measured level.
 
-        The work for a stack at rest is therefore small, so that the memory of the engine, which is timed next, stays in
-        the caches.
+        The work for a stack at rest is therefore small, so that the memory of the engine stays in the caches. The
+        harness times the engine next.
         """
         if self._judged is not None:
             judged_plan, judged_position, judged_quaternion = self._judged

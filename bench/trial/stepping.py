@@ -36,7 +36,7 @@ class FrameTimes:
 
 @dataclass(frozen=True, slots=True)
 class Steering:
-    """Input and changes of the core in one frame, including changes before the step if a prebuilt stack was placed."""
+    """Input and changes of the core in one frame, including the adoption of prebuilt stacks before the step."""
 
     contacts: int
     """Number of contact points that the core read."""
@@ -51,12 +51,12 @@ class Steering:
 
     @property
     def summary(self) -> str:
-        """Distinct reasons, each with its count."""
+        """Distinct reasons, with the count of each reason."""
         return "; ".join(f"{count} {reason}" for reason, count in Counter(self.reasons).items())
 
 
 class PlainFrames:
-    """Frames of the engine alone. They never request the engine's port, so that the engine need not record contacts."""
+    """Frames of the engine alone. The class uses no port, so that the engine need not record contacts."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation

@@ -1,7 +1,7 @@
 """Determine the bricks that lost their support because a brick was removed, and their drop heights.
 
-A brick that sinks moves into the brick below. A brick whose support was removed moves down through free space. This
-module compares planned poses instead of actual poses, so that the same bricks lose their support on every engine.
+A brick that sinks moves into the brick below. A brick that lost its support moves down through free space. This module
+compares planned poses instead of actual poses, so that the same bricks lose their support on every engine.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ def drop_heights(plan: Plan, position: FloatArray, taken: Brick, left: Sequence[
 
     The height of a brick that lost its support lies below its present centre by half its thickness, or by half the
     increase of the free height below the brick if this increase is less than its thickness. The height is minus
-    infinity for a brick that kept its support. A brick kept its support if this free height has increased by no more
-    than half the thickness of the removed brick, because placement noise causes small increases.
+    infinity for a brick that kept its support. A brick kept its support if this free height has increased by at most
+    half the thickness of the removed brick, because placement noise causes small increases.
 
     Args:
         plan: plan of the n remaining bricks.

@@ -1,4 +1,4 @@
-"""The figure of a history: one panel for each figure that the versions have, with its steps."""
+"""The figure of a history: a panel for each measured figure over the versions, with its steps."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def write_history_figure(path: Path, history: History) -> None:
 
 
 def history_figure(history: History) -> Figure:
-    """Draw every figure over the versions, one panel each, with a line at each step."""
+    """Draw a panel for every figure over the versions, with a line at each step."""
     width, height = _PANEL_INCHES
     panels = max(1, len(history.series))
     figure = Figure(figsize=(width, height * panels + 0.9), layout="constrained")

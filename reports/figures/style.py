@@ -48,7 +48,7 @@ def for_page(svg: str, label: str, policies: Sequence[str]) -> str:
     """Return a figure with the colours and fonts of the page that embeds it.
 
     Args:
-        svg: the figure as SVG, as returned by ``save``.
+        svg: the figure as SVG, from ``save``.
         label: description of the figure for readers who cannot see it.
         policies: policies whose colours the page defines as variables ``--policy-NAME``.
     """

@@ -77,7 +77,7 @@ def pose_columns() -> list[Column]:
 
 
 def unit_of(name: str) -> str:
-    """Return the unit that a column's name gives at its end or before a percentile; empty if the name gives no unit."""
+    """Return the unit in a column's name, at the end or before a percentile; empty if the name has no unit."""
     if "_ms_" in name:
         return "ms"
     return next((unit for end, unit in _UNITS.items() if name.endswith(end)), "")

@@ -1,4 +1,4 @@
-"""The creep limit, and the creep that the recordings of trials from before format 3 prove."""
+"""The creep limit, and the creep that recordings prove for trials from before format 3."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def with_creep(record: TrialRecord, recording: Recording) -> TrialRecord:
 
 
 def _watch_half_s(record: TrialRecord) -> float | None:
-    """Return the start of the last half of the watch [s]; None if this version cannot build the scene."""
+    """Return the start of the last half of the watch [s]; None if the suite cannot build the scene any more."""
     try:
         return record.simulated_s - build(record.scenario, **record.parameters).watch_s / 2
     except (ValueError, TypeError, UnknownNameError):
@@ -118,6 +118,8 @@ def _slope(
     frame: npt.NDArray[np.int32], position: npt.NDArray[np.float64], first: int, recording: Recording
 ) -> tuple[float, float]:
     """Return the speed of a brick by regression over its recorded positions, and the greatest error of the speed [m/s].
+
+    With the position x_k of the brick at the time t_k of frame k:
 
         slope     = sum_k w_k x_k,   w_k = (t_k - t_mean) / sum_j (t_j - t_mean)^2
         |error|  <= sum_k |w_k| * greatest error of a position

@@ -28,7 +28,7 @@ _MISSING = (None, "")
 
 
 def flat_columns(of_format: int = FORMAT) -> list[str]:
-    """Return the columns of a flat row: the fields of a record, with the expectation replaced by its own fields.
+    """Return the columns of a flat row: the fields of a record, with the expectation's fields in its place.
 
     Args:
         of_format: format of the records; earlier formats lack the columns that format 3 introduced.

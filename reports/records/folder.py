@@ -121,13 +121,13 @@ class ResultsFolder:
 
     @property
     def engines(self) -> Mapping[str, Any]:
-        """Descriptions of the engines, by name; empty if the environment has none."""
+        """Descriptions of the engines, by name; empty if the environment describes no engine."""
         engines: Mapping[str, Any] = self.environment.get("engines", {})
         return engines
 
     @property
     def reference_engines(self) -> frozenset[str]:
-        """Names of the reference engines, which are no products and have no place in a ranking."""
+        """Names of the reference engines, which are not products and have no place in a ranking."""
         return frozenset(
             name for name, engine in self.engines.items() if engine.get("capabilities", {}).get("reference", False)
         )
@@ -152,7 +152,7 @@ def published_rows(file: Path) -> Iterator[Mapping[str, Any]]:
 
 
 def replay_name(trial: TrialRecord) -> str:
-    """Return the file name, without suffix, of the replay of a trial, which also shows the trials of other policies."""
+    """Return the file name, without suffix, of the replay of a trial and of the same stack under other policies."""
     return f"{trial.scene}.{trial.engine}.{trial.profile}.s{trial.seed}"
 
 

@@ -98,7 +98,7 @@ def write_frames(path: Path, rows: Sequence[FrameRow]) -> None:
 
 
 def read_columns(path: Path, names: Sequence[str]) -> dict[str, npt.NDArray[np.float64]]:
-    """Return numeric columns of a trial's frames, by name, each of shape (frames,); null becomes NaN.
+    """Return numeric columns of a trial's frames by name, with shape (frames,); null becomes NaN.
 
     Raises:
         OSError: if the file is missing.

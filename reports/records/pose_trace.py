@@ -1,6 +1,7 @@
-"""The pose trace of a trial: every change of a pose to the last bit, which shows where two trials part.
+"""The pose trace of a trial: every change of a pose, to the last bit, to find where two trials begin to differ.
 
-A recording (``recording``) is for the eye and rounds; a trace is exact, so that it ends after ``MOST_ROWS`` changes.
+A recording (``recording``) rounds poses, because it is for viewers. A trace is exact, and therefore ends after
+``MOST_ROWS`` changes.
 """
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ class PoseTraceError(ValueError):
 class PoseTrace:
     """Changes of poses in the first frames of a trial, as n rows in order of frame, then body.
 
-    A row without finite numbers stands for the removal of the body.
+    A row of NaN means that the body left the world.
     """
 
     frames: int
@@ -70,7 +71,7 @@ class PoseTrace:
 
 @dataclass(frozen=True, slots=True)
 class Parting:
-    """The first frame in which two trials differ, and the first body that differs in it."""
+    """The first frame in which two trials differ, and the first body that differs in this frame."""
 
     frame: int
     """Number of the frame, from 0."""
@@ -123,7 +124,7 @@ class PoseTracer:
 
 
 def parting(base: PoseTrace, head: PoseTrace) -> Parting | None:
-    """Return where two trials part; None if they are equal in all frames that both traces cover."""
+    """Return the first difference of two traces; None if the traces agree in all frames that both cover."""
     covered = min(base.frames, head.frames)
     before, now = _keys(base, covered), _keys(head, covered)
     different = np.setxor1d(before, now, assume_unique=True)
@@ -137,19 +138,23 @@ def parting(base: PoseTrace, head: PoseTrace) -> Parting | None:
 
 
 def unpacked(text: str) -> PoseTrace:
-    """Return the trace in a text of ``PoseTrace.packed``.
+    """Return the trace from a text that ``PoseTrace.packed`` returned.
 
     Raises:
-        PoseTraceError: if the text is not such a trace.
+        PoseTraceError: if the text is not a packed trace.
     """
     try:
         stream = zlib.decompressobj()
         content = stream.decompress(base64.b64decode(text, validate=True), _MOST_UNPACKED)
     except (binascii.Error, ValueError, zlib.error) as error:
-        raise PoseTraceError(f"not a packed trace ({error})") from error
+        raise PoseTraceError(
+            f"a text in the baseline file is not a packed trace ({error}): restore the file"
+        ) from error
     count, rest = divmod(len(content) - _FRAMES_BYTES, _ROW.itemsize)
     if not stream.eof or count < 0 or rest:
-        raise PoseTraceError("not a packed trace (incomplete, or too long)")
+        raise PoseTraceError(
+            "a text in the baseline file is not a packed trace (incomplete, or too long): restore the file"
+        )
     columns, start = {}, _FRAMES_BYTES
     for name in _ROW.names or ():
         columns[name] = np.frombuffer(content, _ROW[name], count, start)
@@ -209,14 +214,14 @@ def _digests(pose: FloatArray) -> npt.NDArray[np.uint16]:
 
 
 def _keys(trace: PoseTrace, covered: int) -> npt.NDArray[np.void]:
-    """Return the rows of the first ``covered`` frames as records that can be compared."""
+    """Return the rows of the first ``covered`` frames as comparable records."""
     keys = np.empty(len(trace.frame), [("frame", np.int32), ("body", np.int32), ("digest", np.uint16)])
     keys["frame"], keys["body"], keys["digest"] = trace.frame, trace.body, trace.digest
     return keys[trace.frame < covered]
 
 
 def _pose_at(trace: PoseTrace, body: int, frame: int) -> FloatArray | None:
-    """Return the pose of a body in a frame, shape (7,), without finite numbers before it exists; None without poses."""
+    """Return the pose of a body in a frame, shape (7,), NaN before the body exists; None if the trace has no poses."""
     if trace.pose is None:
         return None
     rows = np.flatnonzero((trace.body == body) & (trace.frame <= frame))

@@ -58,7 +58,7 @@ the length of the vector. The value stands for a turn of gravity by 0.06 deg."""
 
 @dataclass(frozen=True, slots=True)
 class Physics:
-    """Friction, masses and gravity of a trial, which statics needs in addition to the poses."""
+    """Friction, masses and gravity of a trial: the data that statics needs in addition to the poses."""
 
     friction: float
     """Friction coefficient of Coulomb's law, equal for all contacts."""
@@ -124,7 +124,7 @@ class Recording:
 
 
 class Recorder:
-    """Recorder of the poses of every frame, which stores only changes."""
+    """Recorder that receives the poses of every frame, and stores only changes."""
 
     def __init__(self, frame_s: float, world: World = WORLD) -> None:
         """Start a recording without frames.
@@ -156,7 +156,7 @@ class Recorder:
         bricks: Mapping[int, Brick],
         gravity: Vector | None = None,
     ) -> None:
-        """Record one frame. The cost grows with the number of bodies, and is least if no body moves.
+        """Record one frame; the cost grows with the number of bodies, and is least if no body moves.
 
         Args:
             bodies: ids of the n bodies in the world, shape (n,); an id is never reused.
@@ -226,7 +226,7 @@ class Recorder:
 
 
 def write_recording(path: Path, recording: Recording) -> None:
-    """Write a recording atomically, thinned if the whole file would exceed ``MOST_BYTES``; the folder must exist."""
+    """Write a recording atomically; thin a recording whose file would exceed ``MOST_BYTES``. The folder must exist."""
     content = _packed(recording)
     if len(content) > MOST_BYTES and recording.every == 1:
         content = _packed(recording.thinned())

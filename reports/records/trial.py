@@ -1,8 +1,8 @@
 """The record of a trial: its schema, its writer and its reader.
 
 A file has one line of JSON per trial. The writer flushes each line to disk, so that an interrupted run keeps every
-finished trial. A value that does not exist is null; the schema rejects NaN and infinity. Records are raw data: derive
-other data from them, but never edit them.
+finished trial. A missing value is null. The schema rejects NaN and infinity. Records are raw data: derive other data
+from them, but never edit them.
 """
 
 from __future__ import annotations
@@ -48,11 +48,11 @@ class RecordError(ValueError):
 
 
 class RecordWarning(UserWarning):
-    """Warning of a file of records whose last line is incomplete."""
+    """Warning that the last line of a file of records is incomplete."""
 
 
 class TrialRecord(BaseModel):
-    """Results of one trial. A value that does not exist is null, never zero.
+    """Results of one trial. A missing value is null, never zero.
 
     ``reports.records.columns`` writes ``docs/columns.md`` from the docstrings of the fields.
     """
@@ -273,7 +273,7 @@ class TrialRecord(BaseModel):
 
 
 class RecordWriter:
-    """Writer that appends records to a file, and flushes each to disk before the next trial starts."""
+    """Writer that appends records to a file, and flushes each record to disk before the next trial starts."""
 
     def __init__(self, path: Path) -> None:
         """Open ``path`` for appending, and remove a last line that an interruption left incomplete."""
@@ -293,7 +293,7 @@ class RecordWriter:
 
 
 def read_records(path: Path) -> list[TrialRecord]:
-    """Return all records of a file, in their order.
+    """Return all records of a file, in the order of the file.
 
     Raises:
         RecordError: if the file is missing, or contains a line that is not a record.

@@ -56,7 +56,7 @@ def parse_camera(text: str) -> Camera:
         else:
             raise ExportError(
                 f"each part of the camera '{text}' after the name must be one of "
-                f"{', '.join(f'{key}=NUMBER' for key in _FIELDS)}, got '{part}'"
+                f"{', '.join(f'{key}=NUMBER' for key in _FIELDS)}, got '{part}': change --camera"
             )
     return camera
 
@@ -71,9 +71,9 @@ def _value(name: str, text: str) -> float:
             f"{name} of the camera must be a number, got '{text}': write {name}=NUMBER in --camera"
         ) from None
     if not math.isfinite(value):
-        raise ExportError(f"{name} of the camera must be a finite number, got {text}")
+        raise ExportError(f"{name} of the camera must be a finite number, got {text}: write {name}=NUMBER in --camera")
     if name == "elevation" and not -90 <= value <= 90:
-        raise ExportError(f"elevation of the camera must be from -90 to 90 degrees, got {text}")
+        raise ExportError(f"elevation of the camera must be from -90 to 90 degrees, got {text}: change --camera")
     if name == "distance" and value <= 0:
         raise ExportError(
             f"distance of the camera must be above 0 m, got {text}: give a larger distance, or leave out distance "

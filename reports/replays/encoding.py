@@ -41,17 +41,19 @@ def encoded(
         colours: colours of the bricks, at most ten, for the palette of a GIF.
 
     Raises:
-        ExportError: if PyAV is not installed, or the suffix, the size or the frame rate cannot be used.
+        ExportError: if PyAV is not installed, or the format does not allow the suffix, the size or the frame rate.
     """
     suffix = path.suffix.lower()
     if suffix not in FORMATS:
         raise ExportError(f"{path}: the suffix of a video must be .mp4 or .gif: rename the file")
     if fps < 1:
-        raise ExportError(f"--fps must be a whole number of at least 1 frame per second, got {fps}")
+        raise ExportError(f"--fps must be a whole number of at least 1 frame per second, got {fps}: give --fps 30")
     try:
         import av  # an optional package
     except ImportError as error:
-        raise ExportError(f"a video needs the package 'av' ({error}): uv sync --group video") from error
+        raise ExportError(
+            f"a video needs the package 'av' ({error}): install it with 'uv sync --group video'"
+        ) from error
     if suffix == ".mp4":
         if pixels[0] % 2 or pixels[1] % 2:
             raise ExportError(

@@ -4,4 +4,4 @@ from __future__ import annotations
 
 
 class ExportError(ValueError):
-    """A picture, video or export that cannot be made; the message names the reason and, if known, the fix."""
+    """A failure to make a picture, video or export; the message names the reason and, if known, the fix."""

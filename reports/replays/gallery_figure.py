@@ -50,7 +50,7 @@ def gallery_figure(stills: Path, groups: Sequence[Group], engine: str, profile: 
 
 
 def _without_margins(pictures: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """Return pictures without the rows from top and bottom that are empty in all of them.
+    """Crop the rows at the top and bottom that are empty in all pictures; return the cropped pictures.
 
     Args:
         pictures: pictures of the same height, each of shape (height, width, 4).

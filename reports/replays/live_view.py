@@ -34,7 +34,9 @@ def require_rerun() -> Any:
     try:
         import rerun  # an optional package
     except ImportError as error:
-        raise ExportError(f"Rerun needs the package 'rerun-sdk' ({error}): uv sync --group rerun") from error
+        raise ExportError(
+            f"Rerun needs the package 'rerun-sdk' ({error}): install it with 'uv sync --group rerun'"
+        ) from error
     return rerun
 
 
@@ -104,7 +106,7 @@ class LiveView:
 
 @contextmanager
 def live_view(trial: str, policy: str, fixed: Sequence[Brick], address: str) -> Iterator[LiveView]:
-    """Yield a view that is connected inside the block; see ``LiveView``."""
+    """Yield a view with a connection that lasts until the end of the block; see ``LiveView``."""
     view = LiveView(trial, policy, fixed, address)
     try:
         yield view

@@ -1,23 +1,23 @@
-"""What a viewer of a recording could notice of frozen bricks: figures in pixels, not a user study.
+"""Measure the visible effects of frozen bricks in a recording, as figures in pixels; this is no user study.
 
     uv run python -m reports.replays.perception DIR TRIAL [--without TRIAL] [--due SECONDS] [--kept-from SECONDS]
 
 S. Han, S.-W. Hsu, A. McNamara, J. Keyser, "Believability in simplifications of large scale physically based
-simulation", ACM Symposium on Applied Perception, 2013, asked people whether fixing the objects beneath a
-pile harms plausibility. This module asks nobody. It measures, in pixels of a standard screen, the deviations that a
-viewer could see at all:
+simulation", ACM Symposium on Applied Perception, 2013, asked people whether fixing the objects beneath a pile harms
+plausibility. This module asks nobody. The module measures, in pixels of a standard screen, the deviations that a viewer
+could see at all:
 
-- ``pop``: the greatest jump of a brick's corner where the brick freezes or unfreezes, |x(t+1) - 2 x(t) + x(t-1)|, less
+- ``pop``: the greatest jump of a brick's corner where the brick freezes or unfreezes, |x(t+1) - 2 x(t) + x(t-1)|, minus
   the jump of the same corner in the run without the extension, if given;
-- ``hover``: the greatest gap between a frozen brick and the nearest body or ground straight below it;
-- ``unsupported``: brick-seconds for which bricks were frozen although exact statics finds no equilibrium for them;
+- ``hover``: the greatest gap between a frozen brick and the nearest body or ground straight below the brick;
+- ``unsupported``: brick-seconds of frozen bricks for which exact statics finds no equilibrium;
 - ``late``: the time from the instant at which the scene must fall until a brick has moved by one pixel;
 - ``kept``: the share of the bricks that move by less than their thickness in the five seconds after an instant, such as
   the removal of the walls of ``mould``.
 
-Lengths are in space, as if every motion were across the view, so that the figures are upper bounds. A recording has a
-dead band of 0.05 mm, which limits the resolution of ``pop`` and ``hover``. A frozen brick that only its sides hold
-counts as hovering.
+Lengths are distances in space, as if every motion were across the view. Therefore the figures are upper bounds. A
+recording has a dead band of 0.05 mm, which limits the resolution of ``pop`` and ``hover``. A frozen brick that other
+bodies hold only at its sides counts as hovering.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ MOST_CHANGES = 60
 
 @dataclass(frozen=True, slots=True)
 class Perceived:
-    """Figures of one recording; lengths in metres, to be seen through a camera."""
+    """Figures of one recording, with lengths in metres."""
 
     pop_m: float
     """Greatest jump at a freeze or unfreeze [m]; 0 without such events."""
@@ -77,16 +77,16 @@ class Perceived:
 
 
 def pixels_per_metre(distance: float) -> float:
-    """Return the pixels per metre of a camera at ``distance`` [m]: H / (2 D tan(fov / 2))."""
+    """Return the pixels per metre of a camera at ``distance`` [m]: ``LINES`` / (2 distance tan(``VIEW_DEG`` / 2))."""
     return LINES / (2 * distance * math.tan(math.radians(VIEW_DEG) / 2))
 
 
 def perceive(recording: Recording, without: Recording | None = None, due_s: float | None = None) -> Perceived:
-    """Measure what a viewer could notice in a recording.
+    """Measure the visible effects of frozen bricks in a recording.
 
     Args:
         recording: the run with the extension.
-        without: the run of the same scene without the extension, whose bricks have the same ids; None if unknown.
+        without: the run of the same scene without the extension; its bricks have the same ids. None without such a run.
         due_s: instant from which the stack must fall [s]; None for a stack that must stand.
     """
     timeline = Timeline(recording)
@@ -103,13 +103,13 @@ def perceive(recording: Recording, without: Recording | None = None, due_s: floa
 
 
 def _extent(timeline: Timeline) -> float:
-    """Return the greatest extent [m] of the first poses of all bricks: the near camera shows it as ``LINES``."""
+    """Return the greatest extent [m] of all bricks at their first poses, which fills the near camera's view."""
     corners = Boxes.at(timeline.sizes, timeline.first, timeline.first_turn).corners.reshape(-1, 3)
     return float(np.ptp(corners, axis=0).max())
 
 
 def _events(recording: Recording) -> list[tuple[int, int]]:
-    """Return (body, frame) of each freeze and unfreeze."""
+    """Return body and frame of each freeze and unfreeze."""
     same = (np.diff(recording.body) == 0) & (np.diff(recording.state) != 0)
     rows = np.flatnonzero(same) + 1
     both = np.isin(recording.state[rows], (LIVE, FROZEN)) & np.isin(recording.state[rows - 1], (LIVE, FROZEN))
@@ -125,7 +125,7 @@ def _corners(timeline: Timeline, body: int, frame: int) -> FloatArray:
 
 
 def _jump(timeline: Timeline, body: int, frame: int) -> FloatArray:
-    """Return the greater second difference [m] of each corner of a brick, before and at a frame, shape (8,)."""
+    """Return the greatest second difference [m] of each corner of a brick around a frame, shape (8,)."""
     frames = range(max(frame - 2, 0), min(frame + 2, timeline.recording.frames))
     path = np.array([_corners(timeline, body, at) for at in frames])
     if len(path) < 3:
@@ -135,7 +135,7 @@ def _jump(timeline: Timeline, body: int, frame: int) -> FloatArray:
 
 
 def _pops(timeline: Timeline, without: Timeline | None) -> list[float]:
-    """Return the greatest jump [m] of each freeze and unfreeze, beyond that of the run without the extension."""
+    """Return the greatest jump [m] of each freeze and unfreeze, minus the jump in the run without the extension."""
     pops = []
     for body, frame in _events(timeline.recording):
         jump = _jump(timeline, body, frame)
@@ -157,7 +157,7 @@ def _changes_of_frozen(recording: Recording) -> list[int]:
 
 
 def _gap_below_frozen(timeline: Timeline, poses: Poses) -> float:
-    """Return the greatest gap [m] between a frozen brick and the nearest body or ground straight below it."""
+    """Return the greatest gap [m] between a frozen brick and the nearest body or ground straight below the brick."""
     there = np.flatnonzero(poses.present)
     bricks = Boxes.at(timeline.sizes[there], poses.position[there], poses.quaternion[there])
     clearance = vertical_clearance(bricks, bricks)
@@ -186,7 +186,7 @@ def _unsupported_s(timeline: Timeline, changes: list[int]) -> float:
 
 
 def _late_s(timeline: Timeline, due_s: float, visible: float) -> float | None:
-    """Return the time [s] from ``due_s`` until a brick that was there before has moved by ``visible`` [m]."""
+    """Return the time [s] from ``due_s`` until a brick present at ``due_s`` has moved by ``visible`` [m]."""
     recording = timeline.recording
     due = round(due_s / recording.frame_s)
     before = timeline.at((due - 1) * recording.frame_s)
@@ -199,9 +199,9 @@ def _late_s(timeline: Timeline, due_s: float, visible: float) -> float | None:
 
 
 def kept_share(recording: Recording, from_s: float) -> float:
-    """Return the share of the bricks at ``from_s`` [s] that stay within their least edge for ``KEPT_S``; NaN for none.
+    """Return the share of bricks that move by less than their least edge from ``from_s`` [s] for ``KEPT_S``.
 
-    A brick that leaves the world within this time counts as not there.
+    The share counts the bricks that are in the world all this time. The result is NaN without such bricks.
     """
     timeline = Timeline(recording)
     first, last = round(from_s / recording.frame_s), round((from_s + KEPT_S) / recording.frame_s)
@@ -216,7 +216,7 @@ def kept_share(recording: Recording, from_s: float) -> float:
 
 
 def perception_table(trial: str, found: Perceived) -> Table:
-    """Return the figures of one trial, near and far."""
+    """Return the table of the figures of one trial, for the near and the far camera."""
     rows = tuple(
         (
             camera,

@@ -1,4 +1,4 @@
-"""Large stills and videos of recorded trials, side by side, at any time and from any side."""
+"""Large stills and videos of recorded trials side by side, at any time and from any direction."""
 
 from __future__ import annotations
 
@@ -58,9 +58,11 @@ def parse_size(text: str) -> tuple[int, int]:
     """
     width, _, height = text.lower().partition("x")
     if not (width.isdecimal() and height.isdecimal() and int(width) > 0 and int(height) > 0):
-        raise ExportError(f"a size must have the form WIDTHxHEIGHT [pixels], such as 1920x1080, got '{text}'")
+        raise ExportError(
+            f"a size must have the form WIDTHxHEIGHT [pixels], such as 1920x1080, got '{text}': change --size"
+        )
     if max(int(width), int(height)) > _MOST_PIXELS:
-        raise ExportError(f"a size must have edges of at most {_MOST_PIXELS} pixels, got '{text}'")
+        raise ExportError(f"a size must have edges of at most {_MOST_PIXELS} pixels, got '{text}': change --size")
     return int(width), int(height)
 
 
@@ -84,12 +86,14 @@ def write_still(
         colour: quantity that the colours of bricks show.
 
     Raises:
-        ExportError: if a trial does not last that long, the picture is too small, or the renderer fails.
+        ExportError: if all trials end before ``at``, the picture is too small, or the renderer fails.
     """
     ends = [Timeline(trial.recording).end_s for trial in trials]
     time = max(ends) if at is None else at
     if not 0 <= time <= max(ends):
-        raise ExportError(f"--at must be from 0 to {max(ends):g} s, the end of the recording, got {time:g} s")
+        raise ExportError(
+            f"--at must be from 0 to {max(ends):g} s, the end of the recording, got {time:g} s: change --at"
+        )
     content = BytesIO()
     [picture] = _frames(trials, [time], Film(pixels, camera=camera, colour=colour), [time])
     try:
@@ -111,7 +115,8 @@ def write_video(
         on_frame: function that receives the number of finished frames and the number of all frames.
 
     Raises:
-        ExportError: if the suffix, the size, the speed or the frame rate cannot be used, or the renderer fails.
+        ExportError: if the format does not allow the suffix, the size or the frame rate, if the speed is not positive,
+            or if the renderer fails.
     """
     if not (math.isfinite(film.speed) and film.speed > 0):
         raise ExportError(f"--speed must be above 0, got {film.speed:g}: give a factor such as 1 or 4")

@@ -42,7 +42,7 @@ class Replayed:
 
     @property
     def end(self) -> str:
-        """Outcome of the trial in a few words."""
+        """Outcome of the trial as a short text."""
         record = self.record
         if record.collapse_level is not None:
             return f"{'sank' if record.collapse_kind == 'sink' else 'fell'} at level {record.collapse_level}"
@@ -56,7 +56,7 @@ def write_replay(folder: Path, name: str, trials: Sequence[Replayed], margins: S
         folder: folder of the replays, created if necessary.
         name: file name of the page, without its suffix.
         trials: trials to show side by side at the same simulated time, at least one.
-        margins: margins of each trial, by which the reader may colour the bricks; None without margins.
+        margins: margins of each trial, which the colours of the bricks may show; None without margins.
     """
     folder.mkdir(parents=True, exist_ok=True)
     script = resources.files(_THREE[0]).joinpath(_THREE[1])

@@ -1,8 +1,8 @@
 """Recordings as files of Rerun (https://rerun.io), a viewer for logged 3-D data.
 
 Each brick is an entity ``POLICY/bricks/ID`` on the timeline ``time`` (simulated seconds). Rerun shows each value until
-the next value of its entity, which agrees with a recording, because a row also holds until the next row of its body.
-The package ``rerun-sdk`` writes the file and contains the viewer; the package is optional, because it takes 0.5 GB.
+the next value of its entity. This agrees with a recording, where a row holds until the next row of its body. The
+package ``rerun-sdk`` writes the file and contains the viewer; the package is optional, because it takes 0.5 GB.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from reports.replays.replay import Replayed
 
 
 def write_rerun(path: Path, trials: Sequence[Replayed]) -> None:
-    """Write trials to one ``.rrd`` file, with a view for each, side by side.
+    """Write trials to one ``.rrd`` file, with a view for each trial, side by side.
 
     Args:
         path: file to write.
@@ -49,7 +49,7 @@ def write_rerun(path: Path, trials: Sequence[Replayed]) -> None:
 
 
 def _log_recording(rerun: Any, stream: Any, policy: str, recording: Recording) -> None:
-    """Send each brick's rows as columns, which is a thousand times faster than row by row."""
+    """Send the rows of each brick as columns, because a call per row would take far longer."""
     starts = np.flatnonzero(np.diff(recording.body, prepend=-1))
     for rows in np.split(np.arange(len(recording.body)), starts[1:]) if len(starts) else ():
         body = int(recording.body[rows[0]])

@@ -1,4 +1,4 @@
-"""The layout of big stills and videos: panels side by side, each with its title, above a legend and the time."""
+"""The layout of large stills and videos: panels with titles side by side, above a legend and the time."""
 
 from __future__ import annotations
 

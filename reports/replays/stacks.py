@@ -31,7 +31,7 @@ def first_stacks(folder: Path, records: Sequence[TrialRecord]) -> list[list[Tria
 
 
 def read_stack(folder: Path, records: Sequence[TrialRecord]) -> list[Replayed]:
-    """Return the trials with a complete recording, each with its recording."""
+    """Return each trial that has a complete recording, with this recording."""
     found = []
     for record in records:
         try:

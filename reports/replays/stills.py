@@ -1,4 +1,4 @@
-"""Stills: pictures of the final states of trials, with live, frozen and fallen bricks in different colours."""
+"""Stills: pictures of trials at their end, with live, frozen and fallen bricks in different colours."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ LEADING_POLICIES = (ALONE, "native", "raised", "at_rest", "paper")
 
 
 class GroupKey(NamedTuple):
-    """The properties shared by all trials of a group."""
+    """The properties that all trials of a group share."""
 
     scene: str
     engine: str
@@ -32,7 +32,7 @@ class GroupKey(NamedTuple):
 
 @dataclass(frozen=True)
 class Group:
-    """Group of trials, which differ only in seed and repeat."""
+    """Group of trials that differ only in seed and repeat."""
 
     key: GroupKey
     trials: tuple[TrialRecord, ...]
@@ -65,7 +65,7 @@ class Group:
 
     @cached_property
     def draws(self) -> list[TrialRecord]:
-        """First repeat of each seed; further repeats are left out, because they add no evidence of outcomes."""
+        """First repeat of each seed, because further repeats add no evidence of outcomes."""
         return [repeats[0] for repeats in self.by_seed.values()]
 
     @cached_property
@@ -79,7 +79,7 @@ class Group:
 
     @cached_property
     def lifetimes(self) -> dict[int, Lifetime]:
-        """Lifetimes of the stacks, by seed, without trials that show nothing about their stack."""
+        """Lifetimes of the stacks, by seed, without trials that show nothing about the stack."""
         return {trial.seed: life for trial in self.draws if (life := lifetime(trial)) is not None}
 
     @cached_property

@@ -61,9 +61,9 @@ def paired_ratio(ratios: Sequence[float]) -> Estimate | None:
     probability that the k-th smallest and the k-th largest ratio enclose the true median (David and Nagaraja, Order
     Statistics, 2003, section 7.1):
 
-        P(enclosed) = 1 - 2 P(B < k),   B ~ Binomial(n, 1/2)
+        P(enclosed) = 1 - 2 P(B < k),   B ~ Binomial(n, 1/2) for n ratios
 
-    The interval is the narrowest interval with P >= 95 %. For five pairs, no interval has this P; the function returns
+    The interval is the narrowest interval with P >= 95 %. For five ratios, no interval has this P. The function returns
     the full range, with P = 93.75 %.
 
     Args:

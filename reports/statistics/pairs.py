@@ -1,8 +1,8 @@
-"""Pairs of scenes: one scene must stand, its partner must fall, and mainly the deciding quantity differs.
+"""Pairs of scenes: one scene must stand, its partner must fall, and little but the deciding quantity differs.
 
 A pair counts as correct only if both outcomes are correct, because single trials reward trivial policies. A policy that
-freezes everything also holds the scene that must fall. A policy that freezes nothing may let the scene that must stand
-fall. Either policy gets half of all trials right.
+freezes everything also holds the scene that must fall. A policy that freezes nothing may drop the scene that must
+stand. Each of these policies gets half of all trials right.
 """
 
 from __future__ import annotations
@@ -67,8 +67,8 @@ def pairs_of(groups: Sequence[Group]) -> list[Pair]:
 def are_opposed(expectations: Sequence[Expectation]) -> bool:
     """Return whether scenes demand opposite outcomes: stand and fall, or fall later and fall at once.
 
-    In a pair of the second kind, a prebuilt stack must stand until a brick is removed and then fall, and its partner
-    must fall at once.
+    In a pair of the second kind, a prebuilt stack must stand until the harness removes a brick, and then fall. Its
+    partner must fall at once.
     """
     outcomes = {one.outcome for one in expectations}
     stands_first = {one.not_before_s > 0.0 for one in expectations if one.outcome == "fall"}
@@ -76,7 +76,7 @@ def are_opposed(expectations: Sequence[Expectation]) -> bool:
 
 
 def pair_success_rates(pairs: Sequence[Pair]) -> SuccessRates | None:
-    """Return the success rates of pairs, with bootstrap intervals over pairs; None if no pair was judged."""
+    """Return the success rates of pairs, with bootstrap intervals over pairs; None without judged pairs."""
     return success_rates([pair.judged for pair in pairs])
 
 
@@ -102,7 +102,7 @@ def _pair(name: str, sides: Sequence[Group]) -> Pair:
 
 
 def _can_be_judged(build: Sequence[TrialRecord]) -> bool:
-    """Return whether both trials were decided and their scenes demand opposite outcomes."""
+    """Return whether both trials ended with a decision and their scenes demand opposite outcomes."""
     decided = all(trial.is_judged for trial in build)
     return decided and are_opposed([trial.expectation for trial in build])
 

@@ -2,9 +2,9 @@
 
 A unit is one seed of a pair of scenes, or of a scene without a partner, with a known answer. A unit of a pair is right
 only if both trials are right, so that a policy that freezes everything, or nothing, is never right. The ranking counts
-all units of the study for every set-up: a unit that was not played or not decided is not right.
+all units of the study for every set-up. A unit that a set-up did not play or decide is not right.
 
-Reference engines are no products. They have no place among the set-ups of products, and a list of their own.
+Reference engines are not products. Therefore they have a list of their own, and no place in the ranking.
 """
 
 from __future__ import annotations
@@ -125,7 +125,7 @@ def rank(groups: Sequence[Group], references: Collection[str] = ()) -> Ranking:
 
 
 def _sides(groups: Sequence[Group]) -> dict[str, frozenset[str]]:
-    """Return the scenes of each pair, by the id of the pair, if they demand opposite outcomes."""
+    """Return the scenes of each pair with opposite demands, by the id of the pair."""
     pairs = grouped([group for group in groups if group.pair], "pair")
     return {
         name: frozenset(group.key.scene for group in members)
@@ -135,7 +135,7 @@ def _sides(groups: Sequence[Group]) -> dict[str, frozenset[str]]:
 
 
 def _units(groups: Sequence[Group], sides: Mapping[str, frozenset[str]]) -> Iterator[tuple[Unit, frozenset[State]]]:
-    """Yield the units of one set-up, each with its states."""
+    """Yield the units of one set-up, with the states of each unit."""
     for (pair,), members in grouped(groups, "pair").items():
         if pair not in sides:
             for trial in (trial for group in members for trial in group.draws):
@@ -151,8 +151,11 @@ def _units(groups: Sequence[Group], sides: Mapping[str, frozenset[str]]) -> Iter
 def _states(build: Sequence[TrialRecord]) -> frozenset[State]:
     """Return the states of a unit of a pair.
 
-    The state is ``not_playable`` or ``undecided`` if one of its trials has that state, and ``right`` if all trials are
-    right. In any other case the states are the kinds of error of the trials.
+    The states, in this order:
+
+    - ``not_playable`` or ``undecided`` if a trial of the unit has this state;
+    - ``right`` if all trials are right;
+    - else the kinds of error of the trials.
     """
     states = {state_of(trial) for trial in build}
     undecided = next((state for state in NOT_DECIDED if state in states), None)
@@ -175,7 +178,7 @@ def _place(set_up: SetUp, units: Mapping[Unit, frozenset[State]], total: int, gr
 
 
 def _creep(groups: Sequence[Group]) -> Creep | None:
-    """Return the creep with the greatest ratio to its limit; None if no creep was measured.
+    """Return the creep with the greatest ratio to its limit; None without a measured creep.
 
     A stack without a verdict, such as one in neutral balance, may creep.
     """

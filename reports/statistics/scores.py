@@ -46,7 +46,7 @@ class PolicyScore:
 
     @property
     def summary(self) -> str:
-        """Counts in words, such as ``38 of 46 pairs; 50 of 55 that must stand, 40 of 46 that must fall``."""
+        """Counts as text, such as ``38 of 46 pairs; 50 of 55 that must stand, 40 of 46 that must fall``."""
         sides = [(self.stand, "stand"), (self.fall, "fall")]
         sides_text = ", ".join(
             f"{count(side)} of {side.n} that must {word}" for side, word in sides if side is not None

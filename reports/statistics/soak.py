@@ -52,12 +52,12 @@ def soaked(records: Sequence[TrialRecord]) -> list[TrialRecord]:
 
 
 def creeps_at_all(record: TrialRecord) -> bool:
-    """Return True if the 95 % interval of a trial's creep excludes zero."""
+    """Return whether the 95 % interval of a trial's creep excludes zero."""
     return record.creep_m_s is not None and record.creep_m_s > (record.creep_error_m_s or 0.0)
 
 
 def time_of_a_thickness(record: TrialRecord) -> float | None:
-    """Return the time [s] until the brick that is fastest for its thickness has moved by its thickness.
+    """Return the time [s] in which the brick with the greatest creep per thickness moves by its thickness.
 
     The result is None if the interval of the creep includes zero.
     """

@@ -1,4 +1,4 @@
-"""States of trials: right, the kinds of error, and the reasons for which a trial is not judged."""
+"""States of trials: right, the kinds of error, and the reasons why a trial has no judgement."""
 
 from __future__ import annotations
 

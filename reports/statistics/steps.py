@@ -1,17 +1,20 @@
 """Steps of a figure over versions: the versions at which its level changes and stays changed.
 
-The values x_i are put on a scale on which a step of a given kind has a typical size: logarithms for creep and times,
-plain values for levels and angles. PELT then finds the segments that minimise
+The module transforms the values x_i to a scale on which a step has a typical size: logarithms for creep, sink and
+times, plain values for levels and angles. The search by PELT (pruned exact linear time) then finds the segments that
+minimise
 
-    sum over segments of sum_i ((x_i - mean of segment) / s)^2  +  penalty * number of steps,
+    sum over segments of sum_i ((x_i - mean of segment) / s)^2  +  penalty * number of steps
 
-where s is the noise of the values from one version to the next, measured robustly by the median of |x_(i+1) - x_i|.
-The penalty grows with the logarithm of the number of versions. A step that is smaller than the least step of its kind
-is dropped, and its two segments are joined.
+    s         max(least noise, 1.4826 / sqrt(2) * median of |x_(i+1) - x_i|), the noise of a value
+    penalty   PENALTY log(number of versions)
+
+Finally the module drops each step that is smaller than the least step of its kind, and joins the two segments.
 
 Sources: R. Killick, P. Fearnhead, I. A. Eckley, Optimal detection of changepoints with a linear computational cost,
 Journal of the American Statistical Association 107 (2012) 1590-1598; C. Truong, L. Oudre, N. Vayatis, Selective review
-of offline change point detection methods, Signal Processing 167 (2020) 107299, whose library ``ruptures`` is used.
+of offline change point detection methods, Signal Processing 167 (2020) 107299. The library ``ruptures`` of these
+authors runs the search.
 """
 
 from __future__ import annotations
@@ -32,7 +35,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Scale:
-    """Scale of a kind of figure: what its noise is at least, and what counts as a step."""
+    """Scale of a kind of figure, with the least noise and the least step on this scale."""
 
     transformed: Callable[[float], float]
     """Function from a value to the scale on which a step has a typical size."""
@@ -70,10 +73,10 @@ more noise, such as times, have no steps."""
 
 
 def find_steps(values: Sequence[float | None], kind: Kind) -> list[int]:
-    """Return the indices of the first version of each new level, rising.
+    """Return the index of the first version of each new level, in ascending order.
 
     Args:
-        values: values by rising version; None where a version has no value.
+        values: one value per version, in the order of the versions; None for a version without a value.
         kind: kind of the figure.
     """
     scale = SCALES[kind]
@@ -92,15 +95,15 @@ def find_steps(values: Sequence[float | None], kind: Kind) -> list[int]:
 
 
 def _noise(scaled: FloatArray) -> float:
-    """Return the standard deviation of the noise from one version to the next; steps do not change the median."""
+    """Return the standard deviation of a value's noise, from the median, because few steps hardly change a median."""
     return _MAD_TO_SIGMA * float(np.median(np.abs(np.diff(scaled))))
 
 
 def _placed(scaled: FloatArray, ends: Sequence[int], min_size: int) -> list[int]:
     """Drop the steps that are not at the best place between their neighbours.
 
-    The search moves a step too near to an end of the history, or to another step, to where ``min_size`` values are on
-    both sides. Such a step would name a wrong version.
+    The search places every step between ``min_size`` values on each side. A step that is nearer to another step, or to
+    an end of the history, would therefore name a wrong version.
     """
     if min_size == 1:
         return list(ends)

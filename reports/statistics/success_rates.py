@@ -1,4 +1,4 @@
-"""Success rates and the rates of each kind of error, with their intervals."""
+"""Success rates and the rate of each kind of error, with intervals."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def success_rates(by_scene: Sequence[Sequence[Collection[Verdict]]]) -> SuccessR
             both trials of the pair. A pair counts as right only if both verdicts are ``right``.
 
     Returns:
-        The success rates; None if nothing was judged.
+        The success rates; None without judged trials.
     """
     right = success_rate([[set(together) == {"right"} for together in seeds] for seeds in by_scene])
     missed = [success_rate([[miss in together for together in seeds] for seeds in by_scene]) for miss in MISSES]
@@ -64,7 +64,7 @@ def success_rates(by_scene: Sequence[Sequence[Collection[Verdict]]]) -> SuccessR
 def misses_shown(rates: Iterable[SuccessRates | None]) -> tuple[Miss, ...]:
     """Return the kinds of error that a table shows, without creep if no trial creeps.
 
-    Therefore tables of trials from before format 3, which did not judge creep, do not change.
+    Therefore tables of trials from before format 3 do not change, because that version did not judge creep.
     """
     crept = any(one is not None and one.creeps.value > 0 for one in rates)
     return tuple(miss for miss in MISSES if crept or miss != "creeps")

@@ -1,8 +1,8 @@
-"""Survival statistics of the levels at which stacks fall, some of which are only lower bounds.
+"""Survival statistics of the levels at which stacks fall; some of these levels are only lower bounds.
 
 The level of a stack that was completed, or stopped by its time limit, is censored, because the stack might have carried
-more levels. Censored levels have no mean, but a survival curve, the median of this curve, and tests that account for
-censoring.
+more levels. Censored levels have no mean. They have a survival curve, the median of this curve, and tests that account
+for censoring.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class Lifetime:
     """True if the stack fell; False if the level is censored."""
 
     def outlives(self, other: Lifetime) -> bool:
-        """Return whether this stack certainly reached a higher level than ``other``."""
+        """Return whether this stack reached a higher level than ``other`` for certain, despite censoring."""
         return other.fell and (self.level > other.level or (not self.fell and self.level == other.level))
 
 
@@ -104,7 +104,7 @@ def kaplan_meier(lifetimes: Sequence[Lifetime]) -> Survival:
     """
     if not lifetimes:
         raise ValueError(
-            "a survival curve needs at least one lifetime, got an empty list: call the function only with lifetimes"
+            "a survival curve needs at least one lifetime, got an empty list: leave out groups without lifetimes"
         )
     curve = scipy.stats.ecdf(_censored(lifetimes)).sf
     level, standing = curve.quantiles, curve.probabilities
@@ -121,7 +121,7 @@ def kaplan_meier(lifetimes: Sequence[Lifetime]) -> Survival:
 
 @dataclass(frozen=True, slots=True)
 class PairedTest:
-    """Result of a comparison of two methods on the same stacks, pair by pair."""
+    """Result of a comparison of two methods on pairs of equal stacks."""
 
     pairs: int
     """Number of pairs."""

@@ -54,7 +54,7 @@ class Threshold:
 
     @property
     def why(self) -> str:
-        """Reason for a missing threshold, in words; empty if there is a threshold."""
+        """Reason for a missing threshold as text; empty if there is a threshold."""
         reasons = ["not finished" if one.next else one.why for one in self.brackets if not one.is_found]
         count = f" ({len(reasons)} of {len(self.brackets)} seeds)" if len(self.brackets) > 1 else ""
         return f"{reasons[0]}{count}" if reasons else ""
@@ -66,7 +66,7 @@ def bisected_scenarios(study: Mapping[str, Any]) -> set[str]:
 
 
 def of_fixed_scenes(records: Sequence[TrialRecord], study: Mapping[str, Any]) -> list[TrialRecord]:
-    """Return the records of scenes that are not bisected, because a single step of a bisection is not a result."""
+    """Return the records of scenes without a bisected parameter, because one step of a bisection is not a result."""
     bisected = bisected_scenarios(study)
     return [record for record in records if record.scenario not in bisected]
 
@@ -122,7 +122,7 @@ def _of_variant(
 def exact_limits(
     scenario: str, rest: tuple[tuple[str, Value], ...], parameter: str, search: Bisection
 ) -> tuple[float | None, float | None]:
-    """Return the limits that a bisection with exact statics finds, for either convention for the normal of a ridge.
+    """Return the limits that a bisection with exact statics finds, for both conventions for the normal of a ridge.
 
     The first limit is for the bisector, the second is for a face normal. A limit is None if the answer is the same at
     both ends of the search, or if statics has no answer because bricks are pushed or pulled.

@@ -1,4 +1,4 @@
-"""The table of engine capabilities, from the descriptions that a run writes into its environment."""
+"""The table of engine capabilities, from the engine descriptions in the environment of a run."""
 
 from __future__ import annotations
 

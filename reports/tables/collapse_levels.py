@@ -31,7 +31,7 @@ def collapse_level_tables(records: Sequence[TrialRecord]) -> list[Table]:
 
 
 def _levels(trials: Sequence[TrialRecord]) -> str:
-    """Return the distribution of collapse levels in words, such as ``4: 30 (19 slide, 9 sink, 2 topple)``."""
+    """Return the distribution of collapse levels as text, such as ``4: 30 (19 slide, 9 sink, 2 topple)``."""
     fallen: dict[int, Counter[str]] = {}
     for trial in trials:
         if trial.collapse_level is not None:

@@ -28,7 +28,7 @@ def cost_tables(records: Sequence[TrialRecord], environment: Mapping[str, Any]) 
 
     Args:
         records: records of all trials of a study.
-        environment: environment of the run, whose sessions record whether instructions could be counted.
+        environment: environment of the run; its sessions record whether the machine counts instructions.
     """
     played = [record for record in records if record.frame_ms_p50 is not None]
     if not any(getattr(record, name) is not None for record in played for name in _COSTS):
@@ -64,6 +64,6 @@ def _median(trials: Sequence[TrialRecord], field: str, form: str, scale: float) 
 
 
 def _instruction_notes(environment: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return a note for each reason for which instructions were not counted."""
+    """Return a note for each reason why a machine counts no instructions."""
     reasons = (session.get("instructions", _COUNTED) for session in environment.get("sessions", ()))
     return tuple(f"Instructions: {reason}." for reason in dict.fromkeys(reasons) if reason != _COUNTED)

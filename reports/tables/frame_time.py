@@ -24,7 +24,7 @@ _KEYS = ("scene", "engine_name", "policy", "machine")
 
 
 def frame_time_table(trials: pd.DataFrame) -> Table:
-    """Return the table of the median frame times of each group of trials, with a row per machine if there are several.
+    """Return the table of the median frame times of each group of trials, with a row for each machine of a group.
 
     Args:
         trials: all trials of a study, as ``reports.records.results.trials_frame`` returns them.

@@ -25,7 +25,7 @@ class Measure(NamedTuple):
 
 
 def engine_names(trials: pd.DataFrame) -> pd.Series:
-    """Return the name of each trial's engine, followed by its profile if the trials have several profiles."""
+    """Return the name of each trial's engine; append the profile if the trials have several profiles."""
     several = len(trials["profile"].unique()) > 1
     names: pd.Series = trials["engine"] + " " + trials["profile"] if several else trials["engine"]
     return names

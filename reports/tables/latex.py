@@ -108,7 +108,7 @@ def _label(name: str) -> str:
 
 
 def _groups(rows: Sequence[tuple[str, str, PairRow]]) -> dict[str, list[list[str]]]:
-    """Return the lines of a table by heading, each with name and entries."""
+    """Return the lines of a table by heading; a line has a name and entries."""
     groups: dict[str, list[list[str]]] = {}
     for heading, name, row in rows:
         groups.setdefault(heading, []).append([escape(name), *_pair_entries(row)])

@@ -83,7 +83,7 @@ def outcome(trials: Sequence[TrialRecord]) -> str:
 
 
 def adopted_mark(trials: Sequence[TrialRecord]) -> str:
-    """Return ``ADOPTED`` if the core froze bodies of a prebuilt stack in a trial before the first step, else ``""``."""
+    """Return ``ADOPTED`` if the core froze prebuilt bodies before the first step of a trial, else an empty string."""
     return ADOPTED if any(trial.adopted for trial in trials) else ""
 
 
@@ -98,7 +98,7 @@ def _end(trial: TrialRecord) -> str:
 
 
 def _stands_alone(records: Sequence[TrialRecord]) -> list[str]:
-    """Return the scenes, with engine and profile, that must stand and stand on the engine alone."""
+    """Return scene, engine and profile of each stack that must stand, and stands on the engine alone."""
     several = len({record.profile for record in records}) > 1
     return [
         f"{scene} on {engine}{f' {profile}' if several else ''}"

@@ -41,10 +41,10 @@ def same_poses(repeats: Sequence[TrialRecord]) -> bool:
 
 
 def best_times(folder: Path, repeats: Sequence[TrialRecord]) -> list[float] | None:
-    """Return the percentiles 50, 95 and 99 over the frames of the least time [ms] of each frame in all repeats.
+    """Return percentiles 50, 95 and 99 of the frame times [ms], with the least time of each frame over all repeats.
 
-    The result is None if the repeats differ in poses, machine or number of timed frames, because their frames are then
-    not comparable. It is also None if the frames of a repeat are missing.
+    The result is None if the repeats differ in poses, machine or number of timed frames, because such frames are not
+    comparable. The result is also None if the frames of a repeat are missing.
     """
     if not same_poses(repeats) or len({(record.host, record.timed_frames) for record in repeats}) != 1:
         return None

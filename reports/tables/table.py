@@ -65,7 +65,7 @@ def first_rows(table: Table, most: int) -> Table:
 
 
 def with_short_notes(table: Table, most: int) -> Table:
-    """Return a table whose notes of more than ``most`` characters end at a word, and name the file with the rest."""
+    """Return a table with notes of at most ``most`` characters; a shortened note names the file with the full note."""
     notes = (note if len(note) <= most else textwrap.shorten(note, most, placeholder=_REST) for note in table.notes)
     return replace(table, notes=tuple(notes))
 
@@ -152,7 +152,7 @@ def _coloured(cell: str) -> Text:
 
 
 def _unless_said(row: tuple[str, ...], previous: tuple[str, ...]) -> list[str]:
-    """Return the entries of a row; leading entries that equal the entries of the row above become blank."""
+    """Return the entries of a row; replace leading entries equal to the row above by blanks."""
     cells, same = [], True
     for index, cell in enumerate(row):
         same = same and index < len(row) - 1 and previous[index : index + 1] == (cell,)

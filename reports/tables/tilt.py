@@ -123,7 +123,7 @@ def _degrees(value: float | None) -> str:
 
 
 def _ridge(angle: float | None) -> str:
-    """Return the name of a ridge's normal, given its angle from the bisector [deg], or that angle in words."""
+    """Return the name of a ridge's normal from its angle to the bisector [deg], or the angle as text."""
     if angle is None:
         return NOTHING
     names = {"edge": 0.0, "face": 90.0 - THETA}

@@ -60,7 +60,7 @@ def sentence(ranking: Ranking, unfinished: int = 0) -> str:
 
 
 def name(set_up: SetUp) -> str:
-    """Return a set-up in words, such as ``rapier game with paper``."""
+    """Return a set-up as text, such as ``rapier game with paper``."""
     return f"{set_up.engine} {set_up.profile} {'alone' if set_up.policy == ALONE else f'with {set_up.policy}'}"
 
 
@@ -108,12 +108,12 @@ def milliseconds(time_ms: float | None) -> str:
 
 
 def counted(number: int, state: State) -> str:
-    """Return a number of builds in a state in words, such as ``2 false stands``."""
+    """Return the number of builds in a state as text, such as ``2 false stands``."""
     return f"{number} {STATE_WORDS[state][number != 1]}"
 
 
 def _everything(ranking: Ranking) -> str:
-    """Return the units of the study in words, such as ``all 53 pairs and 9 other scenes (1240 builds)``."""
+    """Return the units of the study as text, such as ``all 53 pairs and 9 other scenes (1240 builds)``."""
     other = "other " if ranking.pairs else ""
     kinds = ((ranking.pairs, "", "pair"), (ranking.scenes, other, "scene"))
     parts = [_all_of(count, kind, noun) for count, kind, noun in kinds if count]
@@ -124,7 +124,7 @@ def _everything(ranking: Ranking) -> str:
 
 
 def _all_of(count: int, kind: str, noun: str) -> str:
-    """Return all of a number of things in words: ``the only pair``, ``both other scenes`` or ``all 9 scenes``."""
+    """Return a complete set of things as text: ``the only pair``, ``both other scenes`` or ``all 9 scenes``."""
     if count == 1:
         return f"the only {kind}{noun}"
     return f"{'both' if count == 2 else f'all {count}'} {kind}{noun}s"
@@ -159,13 +159,13 @@ def _micrometres(creep: Creep | None) -> str:
 
 
 def _misses(place: Place) -> str:
-    """Return the counts of the units that are not right in words, such as ``1 false stand, 2 undecided``."""
+    """Return the counts of wrong and undecided units as text, such as ``1 false stand, 2 undecided``."""
     counts = [counted(place.states[state], state) for state in STATES if state != "right" and place.states.get(state)]
     return ", ".join([*counts, *([f"{place.missing} without records"] if place.missing else [])])
 
 
 def _reasons_of_tied(places: Sequence[Place], first: int) -> Iterator[str]:
-    """Yield the reason for the place of each set-up among set-ups with equal counts, sorted by frame time."""
+    """Yield the reason for each place among set-ups with equal counts, sorted by frame time."""
     cheapest = places[0].frame_ms
     for place in places:
         base = _misses(place) or "right in all"

@@ -23,7 +23,7 @@ _WENT_WRONG = {
 
 
 def some(names: Sequence[str], most: int = 3) -> str:
-    """Return the first ``most`` names of a list and the number of the rest, such as ``a, b, c and 20 more``."""
+    """Return the first ``most`` names of a list and the number of further names, such as ``a, b, c and 20 more``."""
     more = len(names) - most
     return ", ".join(names[:most]) + (f" and {more} more" if more > 0 else "")
 
@@ -81,7 +81,7 @@ def _level(level: float, highest: float) -> str:
 
 
 def troubles(group: Group) -> str:
-    """Describe in words how many trials neither completed nor collapsed, such as ``2 of 20 timed out``.
+    """Return the counts of trials that neither completed nor collapsed as text, such as ``2 of 20 timed out``.
 
     The text is empty if all trials completed or collapsed.
     """

@@ -96,7 +96,7 @@ def test_exactly_one_job_is_asked_for(arguments: list[str]) -> None:
     app.command()(main)
     text = CliRunner().invoke(app, arguments)
     assert text.exit_code == 2
-    message = "expected one of the name of a publication, --mark, --round and --archive, got none or several"
+    message = "expected one of NAME (a publication), --mark, --round and --archive, got none or several"
     assert message in " ".join(text.output.replace("│", "").split())
 
 
