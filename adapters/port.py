@@ -1,7 +1,7 @@
 """The core's view of a simulation: ``EnginePort``, which completes the engine's contacts and tracks bodies.
 
 The hook ``_contacts`` returns the engine's contacts. The port adds missing contacts, in the same way for every engine
-and from the boxes' geometry only:
+and from the bodies' geometry only:
 
 1. Missing corners of contact areas, and pairs that nearly touch, unless the engine lists both (``near_contacts``). For
    a pair with a body that is no box, the port adds missing corners on every engine (``convex_contacts``).
