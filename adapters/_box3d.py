@@ -4,14 +4,14 @@ Freezing: the adapter stops the body and makes it static. A body that becomes dy
 its shape. Box3D does not collide static bodies with one another.
 
 Contacts: before each reading, the adapter makes a step of length 0, which detects the contacts at the present poses and
-solves nothing, so that later motion does not change by a bit. ``find_contacts`` does the same. Box3D also lists points
-within its prediction distance; the adapter omits points with a gap of more than 0.1 mm. The force of a contact is its
-impulse in the solver's latest iteration, divided by the duration of the iteration. Under a steady load this force is
-exact. A contact that only the step of length 0 has detected has no force.
+solves nothing, so that later motion does not change by a bit. ``find_contacts`` makes the same step. Box3D also lists
+points within its prediction distance; the adapter omits points with a gap of more than 0.1 mm. The force of a contact
+is its impulse in the solver's latest iteration, divided by the duration of the iteration. Under a steady load this
+force is exact. A contact that only the step of length 0 has detected has no force.
 
-Friction: the coefficient of a pair is the geometric mean of both shapes' coefficients (as shipped), and every shape has
-its own, else the world's coefficient. The law is a cone, with one constraint per manifold for sliding and one
-constraint for twist.
+Friction: the coefficient of a pair is the geometric mean of both shapes' coefficients (as shipped). Every shape has the
+coefficient of its brick, or the world's coefficient if the brick has none. The law is a cone, with one constraint per
+manifold for sliding and one constraint for twist.
 
 Stiffness: contacts are springs. Their sag under load is inversely proportional to the square of their natural
 frequency, ``contactHertz``. Box3D silently caps this frequency at an eighth of the rate of its iterations (Box3D's name
@@ -24,8 +24,8 @@ Traps:
   the unit: the slop (5 mm), the distance of predicted contacts (20 mm) and the distance within which contacts are
   recycled (50 mm). With the shipped unit these distances are too large for a plank 8 mm thick.
 - The package's own ``World`` hides most of the API, and ``pybox3d`` is another engine.
-- Box3D only logs a state that is not finite, and its next step never returns. From then on the adapter makes no step
-  and reports poses as NaN.
+- Box3D only logs a state that is not finite, and the next step never returns. Therefore the adapter makes no step after
+  such a state, and reports poses as NaN.
 """
 
 from __future__ import annotations

@@ -67,9 +67,9 @@ class Box3dWorld:
         lib.b3DestroyBody(self.handles.pop(body))
 
     def restore_inertia(self, body: int, brick: Brick) -> None:
-        """Set the inertia of a dynamic body unless it is a homogeneous box.
+        """Set the inertia of a dynamic body unless the body is a homogeneous box.
 
-        Box3D computes the inertia of a hull to 2e-6, again whenever a body becomes dynamic.
+        Box3D computes the inertia of a hull with a relative error of 2e-6, each time a body becomes dynamic.
         """
         if brick.shape == "box" and brick.moments is None:
             return

@@ -113,7 +113,7 @@ class BulletWorld:
         pybullet_calls.freeze(handle, self.client)
 
     def restore_inertia(self, handle: int, brick: Brick) -> None:
-        """Set the moments of inertia that Bullet has forgotten with the mass, and does not compute exactly."""
+        """Set the moments of inertia again after a change of the mass, if Bullet does not compute them exactly."""
         if inertia := _own_inertia(brick):
             pybullet.changeDynamics(handle, -1, **inertia, physicsClientId=self.client)
 
@@ -168,7 +168,7 @@ class BulletWorld:
         return handle
 
     def _shape(self, brick: Brick) -> int:
-        """Return the collision shape of a brick; bricks of one shape and size share it."""
+        """Return the collision shape of a brick; bricks of equal shape and size share one collision shape."""
         key = brick.shape, brick.size
         if key not in self._shapes:
             self._shapes[key] = pybullet.createCollisionShape(**_geometry(brick), physicsClientId=self.client)
@@ -191,14 +191,14 @@ def _geometry(brick: Brick) -> dict[str, Any]:
 
 
 def _own_inertia(brick: Brick) -> dict[str, Any]:
-    """Return mass and moments of inertia where Bullet is not exact, because it takes a hull and a capsule for boxes."""
+    """Return mass and inertia of hulls and capsules, which Bullet treats as boxes, and of bodies with given moments."""
     is_computed = brick.shape in ("box", "cylinder", "sphere") and brick.moments is None
     # Without the mass in the same call the body's next pose is NaN.
     return {} if is_computed else {"mass": brick.mass, "localInertiaDiagonal": moments_of(brick)}
 
 
 def _material(brick: Brick, world: World) -> dict[str, float]:
-    """Return the settings of a body that differ from PyBullet's."""
+    """Return the settings of a body that differ from PyBullet's defaults."""
     settings = {}
     if isinstance(brick.shape, Polyhedron):
         settings["collisionMargin"] = 0.0  # Bullet would add its margin of 1 mm around the vertices

@@ -1,13 +1,14 @@
 """Shock propagation after Erleben 2007: a reference engine, written in this repository.
 
-Each step solves the contacts of the whole stack, then its layers one after the other from the ground up, each on a
-fixed floor: see ``_erleben_solver``. With the fraction phi = 0, as its author coded it, structured stacks stand without
-sinking at little cost, and stacks that must fall stand as well, because no layer feels the weight above it.
+Each step solves the contacts of the whole stack, then one layer after the other from the ground up, each layer on a
+fixed floor: see ``_erleben_solver``. With the fraction phi = 0, as the method's author coded it, structured stacks
+stand without sinking at little cost. Stacks that must fall stand as well, because no layer feels the weight above it.
 
-Forces: the impulses of a layer carry its own bodies only, not what rests on them. The adapter therefore reports none.
+Forces: the impulses of a layer carry only the bodies of this layer, not the bodies above. Therefore the adapter reports
+no forces.
 
-The author's sleeping (a group of bodies slower than 4.5 mm/s in five steps is skipped) is left out: the policies of the
-suite take its place.
+The author's code skips a group of bodies that are slower than 4.5 mm/s in five steps. This adapter has no such
+sleeping, because the policies of the suite take its place.
 """
 
 from __future__ import annotations
@@ -56,7 +57,9 @@ class ErlebenSimulation(ReferenceSimulation):
         knobs = self.info.profile.values
         fraction = float(knobs["fraction"])
         if not 0.0 <= fraction <= 1.0:
-            raise ValueError(f"erleben: the knob 'fraction' must be a number from 0 to 1, got {fraction}")
+            raise ValueError(
+                f"erleben: the knob 'fraction' must be a number from 0 to 1, got {fraction}: correct the profile"
+            )
         self._solver = ErlebenSolver(self.world.friction, fraction, int(knobs["sweeps"]))
         super()._open()
 

@@ -7,8 +7,10 @@ One step of length h, with the fraction phi:
            displace the passengers until no contact of the layer overlaps (first-order correction, no velocity)
            dynamics of the passengers over (1 - phi) h
 
-Dynamics means: add gravity, then find impulses lambda by projected Gauss-Seidel sweeps, with the friction bounds
-refreshed inside the sweep:
+The layers, floors and passengers are those of ``reference.layers``. Dynamics means: add gravity, then find impulses
+lambda by projected Gauss-Seidel sweeps, with the friction bounds refreshed inside the sweep. With the scaled velocities
+w, the rows J and the driven velocities drive of ``reference.contact_rows``, the gap g, the time t of the dynamics and
+the coefficient of friction mu:
 
     0 <= lambda_n  complementary to  J_n w + drive + g / t >= 0,      |lambda_t| <= mu lambda_n along each tangent
     lambda_i <- clamp(lambda_i - (J_i w + drive_i + g_i / t) / |J_i|^2)
@@ -16,8 +18,9 @@ refreshed inside the sweep:
 With phi = 0 no layer feels the weight above it, because the weight acts on a fixed floor.
 
 Source: K. Erleben, "Velocity-based shock propagation for multibody dynamics animation", ACM Transactions on Graphics
-26(2), 2007, as its author coded it in OpenTissue (class "constraint based shock propagation"). Ours are the term g / t,
-by which a point that does not touch yet may close its gap g within the time t, and restitution 0.
+26(2), 2007, as its author coded it in OpenTissue (class "constraint based shock propagation"). This module differs in
+two points: the term g / t lets a point that does not touch yet close its gap g within the time t, and the restitution
+is 0.
 """
 
 from __future__ import annotations
@@ -131,7 +134,7 @@ def _propagate(
 
 @numba.njit(cache=True)
 def _along(body: IntArray, jacobian: FloatArray, c: int, k: int, velocity: FloatArray) -> float:
-    """Return the velocity along a row of a contact, without that of bodies that the host moves."""
+    """Return the velocity along row ``k`` of contact ``c``, without the velocities of bodies that the host moves."""
     total = 0.0
     for side in range(2):
         i = body[c, side]
@@ -143,7 +146,7 @@ def _along(body: IntArray, jacobian: FloatArray, c: int, k: int, velocity: Float
 
 @numba.njit(cache=True)
 def _stiffness(body: IntArray, jacobian: FloatArray, c: int, k: int, free: MaskArray) -> float:
-    """Return |J_i|^2 of a row over the free bodies."""
+    """Return |J|^2 of row ``k`` of contact ``c``, summed over the free bodies."""
     total = 0.0
     for side in range(2):
         if body[c, side] >= 0 and free[body[c, side]]:
@@ -156,7 +159,7 @@ def _stiffness(body: IntArray, jacobian: FloatArray, c: int, k: int, free: MaskA
 def _push(
     body: IntArray, jacobian: FloatArray, c: int, k: int, free: MaskArray, amount: float, velocity: FloatArray
 ) -> None:
-    """Apply an impulse along a row to the free bodies of a contact."""
+    """Apply the impulse ``amount`` along row ``k`` to the free bodies of contact ``c``."""
     for side in range(2):
         i = body[c, side]
         if i >= 0 and free[i]:

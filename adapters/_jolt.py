@@ -11,8 +11,8 @@ Friction: the coefficient of a pair is the geometric mean of both bodies' coeffi
 the world's coefficient. The law is a cone: one constraint per point, in the direction of sliding.
 
 Ridges: where two bricks touch edge on edge, Jolt reports the normal across both edges, not the normal of a face. The
-two planks of a V then press horizontally against each other, as ideal planks do, so that the V holds at much flatter
-angles than on engines that report the normal of a face.
+two planks of an inverted V then press horizontally against each other, as ideal planks do. Therefore the V holds at
+much flatter angles than on engines that report the normal of a face.
 
 Traps:
 

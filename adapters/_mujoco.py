@@ -10,7 +10,7 @@ drift is exactly zero. MuJoCo lists no contacts of ghosts with one another or wi
 counts a ghost as a part of the world body, like the ground. A world without a port has no ghosts.
 
 Contacts: MuJoCo lists the contacts at the start of the latest substep, and ``cvel`` holds the velocities at that time.
-Together they give the approach speed before the solver stops the bodies.
+Contacts and velocities together give the approach speed before the solver stops the bodies.
 
 ``find_contacts`` runs MuJoCo's kinematics and collision on a copy of the state and changes nothing. The call disables
 speculative contacts and sleeping, so that MuJoCo measures all distances and lists sleeping pairs.
@@ -52,7 +52,7 @@ mujoco.set_mju_user_warning(logging.getLogger(__name__).warning)
 
 
 def _knows(knob: str) -> bool:
-    """Return True if a knob of this name may exist; MuJoCo itself rejects an unknown attribute of its XML."""
+    """Return whether a knob of this name may exist; MuJoCo itself rejects an unknown attribute of its XML."""
     return "." in knob or knob in (CONTACT_STEPS, "sleep")
 
 
@@ -91,7 +91,9 @@ class MujocoSimulation(SubstepSimulation):
 
     def _open(self) -> None:
         if self.info.sleeping != "off" and not HAS_SLEEP:
-            raise NotImplementedError(f"MuJoCo {self.info.version} has no sleeping of its own: 3.4 introduced it")
+            raise NotImplementedError(
+                f"MuJoCo {self.info.version} has no sleeping of its own: use policy 'none', or install 3.4 or later"
+            )
         self._engine = MujocoWorld(
             self.world, self.info.profile, self.bodies, self.expected, needs_ghosts=lambda: self.is_observed
         )

@@ -103,17 +103,17 @@ class SlotModel:
         self.velocities[slot, 3:] = rotate(inverse, np.array([angular]))[0]
 
     def unpark(self, slot: int) -> None:
-        """Activate the parked brick of a slot: it collides, falls and may sleep."""
+        """Activate the parked brick of a slot, so that the brick collides, falls and may sleep."""
         self._bodies[slot].collide(*_LIVE)
         self._bodies[slot].unpark(0.0, self._live_policy)
 
     def unpark_moved(self, slot: int) -> None:
-        """Activate the parked body of a slot as a moved body: it collides with live bricks only and has no weight."""
+        """Activate the parked body of a slot as a moved body: no weight, and collisions with live bricks only."""
         self._bodies[slot].collide(*_MOVED)
         self._bodies[slot].unpark(1.0, SLEEP_NEVER)
 
     def park(self, slot: int) -> None:
-        """Deactivate a brick, so that it costs no time: it collides with nothing, has no weight and sleeps."""
+        """Deactivate a brick, so that it costs no time: no collisions, no weight, asleep."""
         self._bodies[slot].park()
 
     def wake(self, slot: int) -> None:
@@ -193,7 +193,7 @@ def _geom(brick: Brick, names: Mapping[Polyhedron, str], attributes: str = "") -
 
 
 def _inertial(brick: Brick) -> str:
-    """Return the inertia where MuJoCo's own, from the geom, would not be exact: of a mesh, and of given moments."""
+    """Return the inertia of a mesh, or of given moments, because MuJoCo would compute an inexact inertia."""
     if brick.moments is None and not isinstance(brick.shape, Polyhedron):
         return ""
     return f'<inertial pos="0 0 0" mass="{brick.mass!r}" diaginertia="{_numbers(moments_of(brick))}"/>'

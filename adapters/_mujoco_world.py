@@ -34,7 +34,8 @@ class MujocoWorld:
             profile: MuJoCo's settings.
             bodies: the adapter's record of its bodies.
             expected: the bricks that the host plans to spawn.
-            needs_ghosts: returns True if the port may freeze bodies; the first compilation of a model calls it.
+            needs_ghosts: function that returns True if the port may freeze bodies; the first compilation calls this
+                function.
         """
         self.slot_of: dict[int, int] = {}
         """Slot of each body."""

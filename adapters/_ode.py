@@ -1,7 +1,7 @@
 """ODE's QuickStep: projected Gauss-Seidel without warm starting, through the C API by ctypes and compiled code.
 
-Library: the adapter loads Debian's ``libode8`` in double precision if it is installed, else the library in Panda3D's
-wheel, in single precision. The version in each record names the library (``_ode_library.py``). The adapter does not use
+Library: the adapter loads Debian's ``libode8``, in double precision, if installed; else the library in Panda3D's wheel,
+in single precision. The version in each record names the library (``_ode_library.py``). The adapter does not use
 ``dWorldStep``, the exact solver, because in single precision its errors end the process, and because its time grows
 with the cube of the number of contacts.
 

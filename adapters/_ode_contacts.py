@@ -2,7 +2,7 @@
 
 ODE calls a callback for each pair of geometries whose bounding boxes meet, and the callback records the pair. Then a
 kernel makes ODE collide the pairs that touch a live body, and a second kernel joins the bodies at each contact point.
-These calls are compiled, because in Python they would cost more than the step.
+Compiled code makes these calls, because in Python they would take longer than the step.
 """
 
 from __future__ import annotations

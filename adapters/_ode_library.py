@@ -1,4 +1,4 @@
-"""ODE's C API: from Debian's library in double precision, or else from the library in Panda3D's wheel, in single.
+"""ODE's C API: Debian's library in double precision, else the library of Panda3D's wheel in single precision.
 
 Python calls the functions of ``lib``, a ctypes library with declared types. Compiled code calls the same functions
 through the result of ``c_call``. Handles are addresses, as integers.
@@ -27,7 +27,7 @@ _PANDA = "libpandaode.*"
 
 
 def _opened() -> tuple[ctypes.CDLL, str]:
-    """Return the library, and its file name or the name and version of its package.
+    """Return the library with its origin: a file name, or the name and version of a package.
 
     Raises:
         ImportError: if no library is installed.

@@ -1,14 +1,14 @@
 """Staggered projections after Kaufman et al. 2008: a reference engine, written in this repository.
 
-Each step solves impact and friction by turns, each as a quadratic program, until both agree: see
-``_staggered_solver``. The engine knows no scene, no sleeping and no policy, and shares no code with the judge, so that
-it is an independent referee. It is slow: use it for scenes of up to about 50 bricks.
+Each step alternates two quadratic programs, for impact and for friction, until both agree: see ``_staggered_solver``.
+The engine knows no scene, no sleeping and no policy, and shares no code with the judge, so that its results are
+independent. The engine is slow: use it for scenes of up to about 50 bricks.
 
-Overlaps: the contacts of a step never add to an overlap. Overlaps of more than 0.01 mm, which arise by rotation and by
-placing, are pushed apart as displacements, so that they add no velocity.
+Overlaps: the contacts of a step never add to an overlap. Rotation and placing still cause overlaps. The adapter removes
+an overlap of more than 0.01 mm by displacements, so that the removal adds no velocity.
 
-Warm start: the friction of the step before, at the nearest point of the same pair. At rest the first impact then
-already agrees with the friction, and the step solves one program.
+Warm start: each contact starts with the friction of the step before, at the nearest point of the same pair. At rest the
+first impact then already agrees with the friction, and the step solves one program.
 """
 
 from __future__ import annotations
@@ -65,7 +65,9 @@ class StaggeredSimulation(ReferenceSimulation):
         self._share = float(knobs["overlap_share"])
         cone = str(knobs["cone"])
         if cone not in CONES:
-            raise ValueError(f"staggered: the knob 'cone' must be one of {', '.join(CONES)}, got {cone!r}")
+            raise ValueError(
+                f"staggered: the knob 'cone' must be one of {', '.join(CONES)}, got {cone!r}: edit the profile"
+            )
         self._solver = StaggeredSolver(
             self.world.friction, float(knobs["tolerance"]), int(knobs["turns"]), int(knobs["memory"]), cone
         )

@@ -1,16 +1,20 @@
 """The two quadratic programs of a staggered step, in the scaled units of ``reference.contact_rows``.
 
-With w the scaled velocities of the live bodies, N and D the rows along normals and tangents, and g the gaps:
+With w the scaled velocities of the live bodies, w0 the velocities before a program, N and D the rows along normals and
+tangents, drive the velocities of driven bodies along these rows, g the gaps (as velocities over the step), mu the
+coefficient of friction, beta the friction impulses, and K(r) the box or disc with half width r in the plane of a
+contact:
 
     impact:    min 1/2 |w - w0|^2    subject to  N w + drive_n >= -max(g, 0);   alpha are the multipliers
     friction:  min 1/2 |w|^2 + drive_t . beta   subject to  w = w0 + D^T beta,  beta in K(mu alpha)
 
-The first is the projection of the velocities on those without penetration. The second is the projection on the friction
-forces of greatest dissipation. Both are in the velocities of the bodies rather than in impulses, because the matrices
-are then sparse and the unit matrix is the mass matrix.
+The impact program projects w0 on the velocities without penetration. The friction program finds the friction of
+greatest dissipation. The variables of both programs include the bodies' velocities, because the matrices are then
+sparse and the mass matrix is the unit matrix.
 
-PIQP solves both. It takes the upper triangle of the quadratic term, and infinite bounds as infinities. With
-``cone = "disc"`` Clarabel solves the second: a disc of radius mu alpha is a second-order cone.
+The solver PIQP solves the programs. PIQP takes the upper triangle of the quadratic term, and infinite bounds as
+infinities. Only with ``cone = "disc"`` the solver Clarabel solves the friction program, because a disc of radius mu
+alpha is a second-order cone.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Staggered projections: the contact problem of a step, by turns of the impact and the friction program.
+"""Staggered projections: solve the contact problem of a step by turns of the impact and the friction program.
 
     beta = the friction of the step before
     repeat
@@ -7,16 +7,18 @@
         beta = friction(start + N^T alpha)
     until the residual is small
 
-Each turn ends with an impact, so that nothing penetrates. Both programs are projections, and neither adds kinetic
-energy. Their alternation need not converge; the solver then returns the iterate with the least residual.
+Each turn ends with an impact, so that nothing penetrates. Both programs are projections, and neither program adds
+kinetic energy. The alternation may fail to converge. The solver then returns the iterate with the least residual.
 
 The residual of a contact is the change of velocity by which the projection of beta - D w / d on the cone of mu alpha
-differs from beta, with d the diagonal of D D^T. It is zero if and only if the friction obeys Coulomb's law, for the
-alpha of the same impact. The unit is the velocity that gravity adds in a step.
+differs from beta, with d the diagonal of D D^T. The residual is zero if and only if the friction obeys Coulomb's law,
+for the alpha of the same impact. See ``_staggered_programs`` for the symbols. The unit is the velocity that gravity
+adds in a step.
 
 Source: D. M. Kaufman, S. Sueda, D. L. James, D. K. Pai, "Staggered projections for frictional contact in multibody
-systems", ACM Transactions on Graphics 27(5), 2008. No text was at hand: the scheme follows two public implementations,
-SCISim and ContactBench. Ours are the stopping rule, the cone of a box by default, and the correction of overlaps.
+systems", ACM Transactions on Graphics 27(5), 2008. The scheme follows two public implementations, SCISim and
+ContactBench, because the text of the paper was not available. The stopping rule, the box as the default cone and the
+correction of overlaps are additions of this module.
 """
 
 from __future__ import annotations
@@ -53,8 +55,8 @@ class Mixing:
     """Anderson's acceleration of the alternation beta -> F(beta), the friction after an impact with friction beta.
 
     With f_k = D^T (F(beta_k) - beta_k), the next friction is F(beta_k) - sum gamma_j (F(beta_j+1) - F(beta_j)), where
-    gamma minimises |f_k - sum gamma_j (f_j+1 - f_j)|. The norm is that of velocities, because impulses of a stack are
-    not unique.
+    gamma minimises |f_k - sum gamma_j (f_j+1 - f_j)|. The norm is a norm of velocities, because the impulses of a stack
+    are not unique.
     """
 
     def __init__(self, problem: ContactRows, memory: int) -> None:

@@ -88,12 +88,12 @@ class Simulation(EngineHooks):
 
     @property
     def scale(self) -> float:
-        """Factor on an adapter's own lengths, for example on the size of its ground: the profile's scale."""
+        """The profile's scale: a factor on the adapter's own lengths, for example on the size of the ground."""
         return self.info.profile.scale
 
     @property
     def is_observed(self) -> bool:
-        """True after the first access to ``port``, so that the engine must record contact velocities."""
+        """True after the first access to ``port``: from then on the engine must record contact velocities."""
         return self._is_observed
 
     @property
@@ -148,7 +148,7 @@ class Simulation(EngineHooks):
     def apply_force(self, body: int, force: Vector) -> None:
         """Apply a steady force [N] at a body's centre of mass, in every step until a call with a force of zero.
 
-        The force does not affect a moved body, and affects a frozen body only after it is unfrozen.
+        The force does not affect a moved body. The force affects a frozen body only when the body is live again.
 
         Raises:
             KeyError: if no body has this id.

@@ -1,4 +1,4 @@
-"""The engines by name, with the module, class and package of each. A process imports a module on first use."""
+"""The engines by name, with module, class and package. A process imports a module on first use."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ class EngineEntry(Protocol):
 
     @property
     def remedy(self) -> str:
-        """Text for an error message: how to fix an engine that cannot be loaded."""
+        """Text for an error message: the fix if the engine does not load."""
         ...
 
     @property
     def is_optional(self) -> bool:
-        """True for an engine without which the suite's studies run on the other engines."""
+        """True if the suite's studies skip the engine when it is not installed."""
         ...
 
     def version(self) -> str:
@@ -55,7 +55,7 @@ class Entry:
 
     @property
     def remedy(self) -> str:
-        """Text for an error message: how to fix an engine that cannot be loaded."""
+        """Text for an error message: the fix if the engine does not load."""
         return _install_engines(self.package)
 
     def version(self) -> str:
@@ -90,7 +90,7 @@ class WasmEntry:
 
     @property
     def remedy(self) -> str:
-        """Text for an error message: how to fix an engine whose worlds cannot be opened."""
+        """Text for an error message: the fix if the engine opens no world."""
         return "install it with: uv run --group wasm -m adapters.wasm"
 
     def version(self) -> str:
@@ -119,14 +119,14 @@ class LibraryEntry:
 
     @property
     def remedy(self) -> str:
-        """Text for an error message: how to fix an engine whose worlds cannot be opened."""
+        """Text for an error message: the fix if the engine opens no world."""
         return f"install it with: uv sync --group {self.group}"
 
     def version(self) -> str:
-        """Return the version of the library that was found.
+        """Return the version of the library in use.
 
         Raises:
-            ImportError: if no library was found.
+            ImportError: if there is no library.
         """
         return str(importlib.import_module(self.library).VERSION)
 
@@ -149,7 +149,7 @@ class ReferenceEntry:
 
     @property
     def remedy(self) -> str:
-        """Text for an error message: how to fix an engine that cannot be loaded."""
+        """Text for an error message: the fix if the engine does not load."""
         return _install_engines(self.package)
 
     def version(self) -> str:

@@ -5,8 +5,8 @@ For every hook:
 - The caller has checked the input: ids are of bodies that exist; lengths, poses and forces are finite. An adapter only
   rejects input that leaves the plane of a planar engine (``ValueError``).
 - Positions [m] and quaternions (w, x, y, z) refer to centres of mass, in the scene's frame. All units are SI.
-- Arrays of ids are in rising order. A hook returns one row per id, in the order of the ids, as float64. The caller may
-  write into the arrays, so that they must be copies, unless the docstring of the hook allows views.
+- Arrays of ids are in rising order. A hook returns one row per id, in the order of the ids, as float64. The arrays must
+  be copies, because the caller may write into them, unless the docstring of the hook allows views.
 """
 
 from __future__ import annotations
@@ -108,7 +108,7 @@ class EngineHooks(ABC):
 
     @abstractmethod
     def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:
-        """Give a moved body these velocities [m/s], [rad/s] in the next substep of ``seconds``.
+        """Give a moved body the velocity [m/s] and the spin [rad/s] for the next substep of ``seconds``.
 
         The call comes before each substep for every moved body, also while the body's velocities are zero.
         """
@@ -124,7 +124,7 @@ class EngineHooks(ABC):
 
     @abstractmethod
     def _step(self, seconds: float) -> None:
-        """Advance the world by one frame of ``seconds``; ``SubstepSimulation`` provides this hook."""
+        """Advance the world by one frame of ``seconds``; ``SubstepSimulation`` implements this hook."""
 
     def _solver_iterations(self) -> int | None:
         """Return the greatest number of solver iterations of any island in the latest engine step; None if unknown.
@@ -204,7 +204,7 @@ class EngineHooks(ABC):
         return self.as_driven(bodies, *self._velocities(bodies))
 
     def as_driven(self, bodies: IntArray, linear: FloatArray, angular: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Overwrite the velocities (k, 3) of moved bodies among ``bodies`` (k,) by the host's; return both arrays."""
+        """Overwrite the velocities (k, 3) of moved bodies among ``bodies`` by the host's values; return both arrays."""
         if self.bodies.moved:
             for row, body in enumerate(bodies.tolist()):
                 if body in self.bodies.moved:

@@ -1,10 +1,10 @@
 """The core's view of a simulation: ``EnginePort``, which completes the engine's contacts and tracks bodies.
 
 The hook ``_contacts`` returns the engine's contacts. The port adds missing contacts, in the same way for every engine
-and from the boxes' geometry only:
+and from the bodies' geometry only:
 
-1. Corners of contact areas, and pairs that nearly touch, unless the engine lists both (``near_contacts``); of pairs
-   with a body that is no box the missing corners, on every engine (``convex_contacts``).
+1. Missing corners of contact areas, and pairs that nearly touch, unless the engine lists both (``near_contacts``). For
+   a pair with a body that is no box, the port adds missing corners on every engine (``convex_contacts``).
 2. Contacts between host-driven and frozen bodies, because no engine lists contacts of two bodies that forces do not
    move.
 3. Pairs that will meet within the next frames, while any body is fast.
@@ -193,7 +193,7 @@ class EnginePort:
         return of_live(contacts, self._bodies)
 
     def _for_core(self, contacts: Contacts) -> Contacts:
-        """Set the friction of each pair, and replace the ids of fixed bodies, which the core does not know."""
+        """Set the friction of each pair, and replace the ids of fixed bodies by ``GROUND`` for the core."""
         pairs = self._engine.pair_friction
         if not pairs.is_uniform:
             contacts = replace(contacts, friction=pairs.of(contacts.body_a, contacts.body_b))

@@ -72,7 +72,7 @@ class Profile:
         return replace(self, knobs={**self.knobs, **knobs})
 
     def with_lengths_times(self, factor: float) -> Profile:
-        """Return the profile with every length that follows the world multiplied by ``factor``."""
+        """Return the profile; multiply every length that follows the world by ``factor``."""
         lengths = {name: knob for name, knob in self.knobs.items() if knob.follows_world}
         return self.with_knobs(
             {name: replace(knob, value=float(knob.value) * factor) for name, knob in lengths.items()}
@@ -87,7 +87,7 @@ class Profile:
 
 @dataclass(frozen=True, slots=True)
 class Capabilities:
-    """Data that an engine's API provides, as described by its adapter; the source of the table Engine capabilities.
+    """Data that an engine's API provides, described by the adapter; the source of the table Engine capabilities.
 
     The conformance checks measure ``near_contacts``, ``separation``, ``forces``, ``ridge_normal``, ``planar`` and, in
     one process, ``deterministic``. The other fields describe mechanisms; the checks measure the effects of these

@@ -1,4 +1,4 @@
-"""Profiles of an engine from ``adapters/profiles/NAME.toml``: settings with their reasons, and who tuned them.
+"""Profiles of an engine from ``adapters/profiles/NAME.toml``: settings, their reasons, and their authors.
 
 A file has up to three tables::
 
@@ -65,10 +65,10 @@ def load_settings(
 
     Args:
         engine: name of the engine.
-        knows: returns whether a knob of this name exists, for engines that ignore a misspelt knob.
+        knows: function that returns whether a knob of this name exists, for engines that ignore a misspelt knob.
         folder: folder of the files.
-        missing: knobs that the installed release of the engine does not have, although another release does. The
-            profiles are returned without these knobs.
+        missing: knobs that the installed release of the engine lacks, although another release has them. The function
+            leaves these knobs out of the profiles.
 
     Raises:
         ProfileFileError: if the file is missing, or an entry in it is invalid.
@@ -92,7 +92,7 @@ def load_settings(
 
 
 def _without(settings: EngineSettings, missing: frozenset[str]) -> EngineSettings:
-    """Return the settings without the missing knobs, and record which of them the file has."""
+    """Return the settings without the missing knobs; record the missing knobs that the file sets."""
 
     def kept(knobs: Knobs) -> dict[str, Knob]:
         return {name: knob for name, knob in knobs.items() if name not in missing}

@@ -29,7 +29,7 @@ def _load(name: str) -> type[Simulation]:
 
 
 def _not_installed(name: str, error: Exception) -> EngineNotInstalledError:
-    """Return the error for an engine that cannot be loaded. An installed package is named with its release."""
+    """Return the error for an engine that does not load; the message names the release of an installed package."""
     package = getattr(ENGINES[name], "package", "")
     try:
         release = f"{package} {importlib.metadata.version(package)}" if package else ""
@@ -68,7 +68,7 @@ def profiles(name: str) -> Mapping[str, Profile]:
 
 
 def missing_knobs(name: str) -> list[str]:
-    """Return the knobs that the installed release of engine ``name`` does not have, sorted; no profile has them."""
+    """Return the knobs that the profiles omit, because the installed release of engine ``name`` lacks them; sorted."""
     return sorted(_load(name).missing_knobs)
 
 

@@ -1,11 +1,11 @@
-"""A simulation whose engine runs a world larger than the scene, because many engines are made for bodies of a metre.
+"""A simulation whose engine runs a world larger than the scene, because many engines suit bodies of a metre.
 
 The profile's scale multiplies all lengths, velocities, impulses and forces, and gravity. Times, masses, angles and
-friction do not change, so that the motion is the same in larger units. This is the recipe of Bullet's wiki ("Scaling
-The World"), which does not change masses. The engine's absolute constants (slops, margins, tolerances and speed
-thresholds) keep their values in the engine's units, so that their ratio to the bricks changes. Only two kinds of length
-grow with the bricks: lengths of a profile chosen for the bricks' size (``Knob.follows_world``), and an adapter's own
-lengths (``Simulation.scale``).
+friction do not change. Therefore the motion is the same, multiplied by the scale. This is the recipe of Bullet's wiki
+("Scaling The World"), which does not change masses. The engine's absolute constants (slops, margins, tolerances and
+speed thresholds) keep their values in the engine's units, so that their ratio to the bricks changes. Only two kinds of
+length grow with the bricks: lengths of a profile chosen for the bricks' size (``Knob.follows_world``), and an adapter's
+own lengths (``Simulation.scale``).
 
 A profile's offset moves the scene along x, with the ground below it, as in a large level of a game. Engines in single
 precision resolve positions less far from the origin (steps of 7.6 um at 100 m).

@@ -1,8 +1,8 @@
-"""The frame of an engine that its adapter steps: substeps, with a record of the motions and forces that the core needs.
+"""Frames as sequences of substeps, with a record of the motions and forces that the core needs.
 
 The core needs the approach speeds before the solver stops the bodies, and the mean forces of the frame. Most engines
-report neither, so that ``SubstepSimulation`` records motions before each substep and forces after it, but only while
-the port is in use and a body is live.
+report neither. Therefore ``SubstepSimulation`` records motions before each substep and forces after each substep, but
+only while the port is in use and a body is live.
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ class SubstepSimulation(Simulation):
         self._recorded.append(self._motions_now(bodies))
 
     def _motions_now(self, bodies: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return positions [m], velocities [m/s] and spins [rad/s], each (k, 3).
+        """Return positions [m], velocities [m/s] and spins [rad/s], each of shape (k, 3).
 
         Override this hook for an engine that returns all three in one call.
         """
@@ -119,7 +119,7 @@ class SubstepSimulation(Simulation):
             point: contact points [m], shape (n, 3).
             normal: unit normals from a to b, shape (n, 3).
             separation: gaps [m], shape (n,).
-            force: forces [N] on bodies b in the last substep, shape (n, 3); None if forces are not read.
+            force: forces [N] on bodies b in the last substep, shape (n, 3); None if the engine need not record forces.
         """
         if force is not None:
             force = mean_force(SubstepForces(*pairs, force), normal, self._earlier_forces)

@@ -1,6 +1,6 @@
-"""Engines outside this repository: engines behind the bridge, listed in an engines.toml, and classes of other packages.
+"""Engines outside this repository: engines behind the bridge, from a file of engines, and classes of other packages.
 
-A file of engines has a table for each engine::
+A file of engines (``engines.toml``) has a table for each engine::
 
     [NAME]
     command = ["program", "argument"]     # started in the folder of this file
@@ -67,7 +67,7 @@ class ExternalEntry:
 
     @property
     def remedy(self) -> str:
-        """Text for an error message: how to fix an engine that cannot be loaded."""
+        """Text for an error message: the fix if the engine does not load."""
         return f"check that its command runs: {list(self.command)}, from {self.source}"
 
     def version(self) -> str:
@@ -114,7 +114,7 @@ def register_external() -> None:
 
 
 def read_engines(path: Path) -> Mapping[str, ExternalEntry]:
-    """Return the engines of a file, by name.
+    """Return the engines in a file of engines, by name.
 
     Raises:
         EnginesFileError: if the file is missing or invalid.

@@ -37,7 +37,7 @@ because an engine in an endless computation does not notice that its stdin is cl
 
 
 class Peer:
-    """An engine's process, whose stdout carries the protocol, and whose stderr the class stores for error messages."""
+    """An engine's process: stdout carries the protocol, and the class stores stderr for error messages."""
 
     def __init__(self, command: Sequence[str], folder: Path, timeout_s: float = SILENCE_S) -> None:
         """Start the process.
@@ -161,8 +161,8 @@ class Peer:
         if not poll.poll(max(0.0, (deadline - monotonic()) * 1e3)):
             self._process.kill()
             raise PeerTimeoutError(
-                f"the engine must answer within {self._timeout_s:g} s, but did not: raise timeout_s if the engine "
-                f"needs more time: {self._name}"
+                f"the engine must answer within {self._timeout_s:g} s, but did not ({self._name}): raise timeout_s if "
+                "the engine needs more time"
             )
 
     def _exited(self) -> PeerError:

@@ -1,4 +1,4 @@
-"""Check and storage of the states in an answer, compiled, because a few NumPy calls take longer than the transfer."""
+"""Compiled check and storage of the states in an answer; a few NumPy calls would take longer than the transfer."""
 
 from __future__ import annotations
 

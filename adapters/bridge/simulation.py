@@ -4,8 +4,8 @@ The simulation collects the host's changes between two frames (bodies spawned, f
 with the next step. Until then the simulation predicts the states: a pushed body has its new velocity, a moved body its
 new pose. The state of a frozen body is the latest state before its freeze; no message requests it again.
 
-``find_contacts`` starts a second process, opens a world in it with the same bodies, weightless and at rest, and reads
-the contacts of one very short step, so that the world itself does not change.
+``find_contacts`` starts a second process, and opens a world in it with the same bodies, weightless and at rest. The
+contacts of one very short step in this world are the result, so that the first world does not change.
 """
 
 from __future__ import annotations

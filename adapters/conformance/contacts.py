@@ -108,7 +108,7 @@ def reports_a_resting_brick_in_every_frame(rig: Rig) -> None:
 
 
 def reports_whole_faces_on_uneven_supports(rig: Rig) -> None:
-    """Check that a brick on two supports, one 0.08 mm lower, has both whole contact areas within six frames.
+    """Check that a brick on two supports at heights 0.08 mm apart has both whole contact areas within six frames.
 
     Each contact area must be complete in the union of the points of these frames.
 
@@ -201,7 +201,7 @@ def reports_the_speed_of_impact(rig: Rig) -> None:
 
 
 def reports_the_overlap(rig: Rig) -> None:
-    """Check that the separation of an overlap is negative: a brick spawned 1 mm deep in the ground reports its depth.
+    """Check that the port reports the depth of a brick spawned 1 mm deep in the ground, as a negative separation.
 
     The port may report the depth before the step, or the depth that remains after the step.
     """

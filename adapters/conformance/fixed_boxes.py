@@ -1,4 +1,4 @@
-"""Checks of the fixed boxes of a world: they support, hold and stop bricks as the ground does, and have its id."""
+"""Checks of the fixed boxes of a world: they support, hold and stop bricks like the ground, and have its id."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def _normals_from_ground(simulation: Simulation, body: int) -> FloatArray:
 
 
 def rests_on_a_fixed_box(rig: Rig) -> None:
-    """Check that a brick comes to rest on a fixed box, not in it, with a contact area that ends at the box's edges.
+    """Check that a brick rests on a fixed box without overlap, and that the contact area ends at the box's edges.
 
     The brick is longer than the box on both sides. The contacts name the ground, and their normals point up.
     """
@@ -81,7 +81,7 @@ def rests_on_a_fixed_box(rig: Rig) -> None:
 
 
 def slides_on_a_fixed_slope_above_the_friction_angle(rig: Rig) -> None:
-    """Check that a brick on a fixed slope slides above the friction angle atan(mu) and holds below it."""
+    """Check that a brick on a fixed slope slides above the friction angle atan(mu) and holds below this angle."""
 
     def slide(degrees: float) -> float:
         angle, thick, half = math.radians(degrees), 0.05, 1.0

@@ -1,4 +1,4 @@
-"""Checks of freezing and unfreezing: a freeze is exact, and it does not change the later motion."""
+"""Checks of freezing and unfreezing: a freeze is exact, and does not change the later motion."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def stays_frozen(rig: Rig) -> None:
 
 
 def freezes_in_flight(rig: Rig) -> None:
-    """Check that a brick frozen in flight stops at once, and falls from rest after it is unfrozen."""
+    """Check that a brick frozen in flight stops at once, and falls from rest after the port unfreezes the brick."""
     simulation = rig.open()
     body = simulation.spawn(plank(z=1.0))
     simulation.push(body, (MASS, 0.0, 0.0))
@@ -68,7 +68,7 @@ def freezes_in_flight(rig: Rig) -> None:
 
 
 def freezes_before_its_first_step(rig: Rig) -> None:
-    """Check that bricks frozen before the first step do not move, and fall alike after they are unfrozen together."""
+    """Check that bricks frozen before the first step do not move, and fall alike after the port unfreezes them."""
     simulation = rig.open()
     bodies = [simulation.spawn(plank(0.2 * column, 0.5)) for column in range(20)]
     simulation.port.sleep(bodies)
@@ -85,7 +85,7 @@ def freezes_before_its_first_step(rig: Rig) -> None:
 
 
 def carries_a_live_brick(rig: Rig) -> None:
-    """Check that a live brick comes to rest on a frozen brick in the air, and does not sink into it."""
+    """Check that a live brick comes to rest on a frozen brick in the air, without sinking."""
     simulation = rig.open()
     shelf = simulation.spawn(plank(z=0.3))
     simulation.port.sleep([shelf])
@@ -96,7 +96,7 @@ def carries_a_live_brick(rig: Rig) -> None:
 
 
 def _struck(rig: Rig, freeze: bool) -> np.typing.NDArray[np.float64]:
-    """Return the velocities (12,) of two weightless planks after the second has struck the end of the first from above.
+    """Return the velocities (12,) of two weightless planks after the second plank struck the end of the first.
 
     The numbers of each plank are linear [m/s], then angular [rad/s]. With ``freeze`` the function freezes and unfreezes
     the struck plank before the impact.

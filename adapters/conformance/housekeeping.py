@@ -1,4 +1,4 @@
-"""Checks of ids, errors, poses, settings, and runs that repeat bit for bit, on which the harness relies."""
+"""Checks of properties on which the harness relies: ids, errors, poses, settings, and bitwise repeatable runs."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def _require_error(kind: type[Exception], action: Callable[[], object], what: st
 
 
 def refuses_bad_input(rig: Rig) -> None:
-    """Check that unknown ids, poses that are not finite and masses that are not positive raise and change nothing."""
+    """Check that unknown ids, poses that are not finite and masses that are not positive only raise errors."""
     simulation = rig.open()
     body = simulation.spawn(plank())
     nowhere = (math.nan, 0.0, 0.1)
@@ -100,7 +100,7 @@ def moves_a_live_brick(rig: Rig) -> None:
 
 
 def tumble(simulation: Simulation) -> bytes:
-    """Return the bytes of all poses of a falling pile, with freezing, unfreezing, a push and a removal in between."""
+    """Return the bytes of all poses of a falling pile, during which bricks freeze, unfreeze, get a push and leave."""
     recorded = []
     bodies = [simulation.spawn(plank(0.3 * LENGTH * (i % 2), (1.5 * i + 0.5) * THICKNESS, 0.1 * i)) for i in range(5)]
     for frame in range(60):

@@ -129,12 +129,12 @@ def _slide(rig: Rig, degrees: float, heading: Vector, levels: int) -> float:
 
 
 def slides_on_the_ground_above_the_friction_angle(rig: Rig) -> None:
-    """Check that a brick on the ground slides above the friction angle atan(mu) and holds below it."""
+    """Check that a brick on the ground slides above the friction angle atan(mu) and holds below this angle."""
     require_friction_angle(lambda degrees: _slide(rig, degrees, (1.0, 0.0, 0.0), 0))
 
 
 def slides_on_a_frozen_brick_above_the_friction_angle(rig: Rig) -> None:
-    """Check that a brick on a frozen brick slides above the friction angle atan(mu) and holds below it."""
+    """Check that a brick on a frozen brick slides above the friction angle atan(mu) and holds below this angle."""
     require_friction_angle(lambda degrees: _slide(rig, degrees, (1.0, 0.0, 0.0), 1))
 
 
@@ -241,7 +241,7 @@ def holds_an_inverted_v(rig: Rig) -> None:
 
 
 def falls_when_its_support_is_removed(rig: Rig) -> None:
-    """Check that a brick at rest for 3 s falls when its frozen support is removed: the engine's own sleeping is off."""
+    """Check that a brick at rest for 3 s falls without its frozen support, because the engine's own sleeping is off."""
     simulation = rig.open()
     (support,) = frozen_column(simulation, 1)
     body = place_on(simulation, 1)

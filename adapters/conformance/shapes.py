@@ -46,7 +46,7 @@ def _hexagon(half_length: float) -> list[Vector]:
 
 
 def _every(rig: Rig) -> Iterator[tuple[str, Brick]]:
-    """Yield a brick of every shape and resting position other than a box, around the origin, with a description."""
+    """Yield a brick of each shape except the box, in each resting position at the origin, with a description."""
     bricks = {
         "lying cylinder": cylinder(RADIUS, 0.03, position=HERE, quaternion=ALONG_Y, mass=MASS),
         "standing cylinder": cylinder(RADIUS, 0.03, position=HERE, mass=MASS),
@@ -82,7 +82,7 @@ def _at(brick: Brick, height: float) -> Brick:
 
 
 def seats_every_shape(rig: Rig) -> None:
-    """Check that a brick of each shape, released 0.1 mm above the ground, rests on it, and does not sink."""
+    """Check that a brick of each shape, released 0.1 mm above the ground, comes to rest and does not sink."""
     for what, brick in _every(rig):
         simulation = rig.open()
         body = simulation.spawn(_at(brick, 0.1e-3))
@@ -94,7 +94,7 @@ def seats_every_shape(rig: Rig) -> None:
 
 
 def carries_every_shape_on_every_shape(rig: Rig) -> None:
-    """Check that a frozen brick of each shape stops a brick of each shape that falls on it from 0.1 mm."""
+    """Check that a frozen brick of each shape stops a brick of each shape that falls from a gap of 0.1 mm."""
     cube = Brick((2 * RADIUS, 2 * RADIUS, 2 * RADIUS), MASS, HERE)
     shapes = [*_every(rig), ("box", cube)]
     for below, support in shapes if len(shapes) > 1 else ():
@@ -134,7 +134,7 @@ def reports_where_every_shape_stands(rig: Rig) -> None:
 
 
 def slides_on_every_flat_face(rig: Rig) -> None:
-    """Check that a standing cylinder and a prism slide above the friction angle atan(mu), and hold below it."""
+    """Check that a standing cylinder and a prism slide above the friction angle atan(mu), and hold below this angle."""
     flat = {
         "cylinder": cylinder(RADIUS, 0.01, position=HERE, mass=MASS),
         "polyhedron": polyhedron(np.array(_hexagon(0.02)) * (1.0, 1.0, 0.3), position=HERE, mass=MASS),
@@ -172,7 +172,7 @@ def rolls_down_a_slope(rig: Rig) -> None:
 
 
 def freezes_every_shape(rig: Rig) -> None:
-    """Check that a frozen brick of each shape does not move by a bit, and that it falls freely when unfrozen."""
+    """Check that a frozen brick of each shape does not move by a bit, and falls freely after the port unfreezes it."""
     simulation = rig.open()
     bodies = {
         what: simulation.spawn(replace(brick, position=(0.3 * column, 0.0, 1.0)))
@@ -207,7 +207,7 @@ def _require_free_fall(simulation: Simulation, bodies: dict[str, int]) -> None:
 
 
 def has_the_friction_of_a_pair(rig: Rig) -> None:
-    """Check that a brick of friction 0.81 on a ground of 0.25 slides as with the geometric mean, 0.45."""
+    """Check that a brick of friction 0.81 slides on a ground of friction 0.25 as with the geometric mean, 0.45."""
     cube = Brick((0.04, 0.04, 0.02), MASS, HERE, friction=0.81)
 
     def slide(degrees: float) -> float:
@@ -226,7 +226,7 @@ def has_the_friction_of_a_pair(rig: Rig) -> None:
 
 
 def bounces_with_the_restitution_of_a_pair(rig: Rig) -> None:
-    """Check that a sphere of restitution 1 on a ground of 0.36 rebounds at 0.6 of its speed, and one of 0 does not."""
+    """Check that on a ground of restitution 0.36 a sphere of 1 rebounds at 0.6 of its speed, and a sphere of 0 not."""
     if "sphere" not in rig.capabilities.shapes:
         return
     simulation = rig.open(restitution=0.36)

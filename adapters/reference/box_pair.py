@@ -96,7 +96,7 @@ def collide(
 def _widest_face(
     between: FloatArray, axes: FloatArray, half: FloatArray, other_axes: FloatArray, other_half: FloatArray, tie: float
 ) -> tuple[int, float]:
-    """Return the axis of a box with the greatest separation [m] of both boxes, and the separation."""
+    """Return the axis of a box along which both boxes are farthest apart, and their separation [m] along it."""
     best, gap = 0, -np.inf
     for i in range(3):
         separation = abs(dot(between, axes[i])) - half[i]
@@ -119,7 +119,7 @@ def _widest_edges(
 ) -> tuple[int, int, float]:
     """Return the edges whose cross product separates both boxes by more than ``least`` [m], and the separation.
 
-    The edges are -1 if no product does. Otherwise the function writes the normal (3,).
+    The edges are -1 if no cross product separates the boxes so far. Otherwise the function writes the normal (3,).
     """
     edge_a, edge_b = -1, -1
     cross = np.empty(3)
@@ -189,7 +189,7 @@ def _clip_face(
     corner: FloatArray,
     depth: FloatArray,
 ) -> int:
-    """Write the points of the other box's facing face above a reference face, and their gaps; return their number."""
+    """Write points and gaps of the other box's facing face above a reference face; return the number of points."""
     direction = sign * axes[axis]
     polygon, cut = np.empty((16, 3)), np.empty((16, 3))
     _write_facing_face(other_center, other_axes, other_half, direction, polygon)

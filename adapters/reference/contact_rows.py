@@ -115,7 +115,7 @@ def _scale(
     start: FloatArray,
     pull: FloatArray,
 ) -> None:
-    """Write the scaled velocities (m, 6) of live boxes after gravity and steady forces, and the part of these."""
+    """Write scaled velocities (m, 6) after gravity and steady forces, and the part of gravity and steady forces."""
     for i in range(len(rows)):
         row = rows[i]
         axes = axes_of(quaternion[row])
@@ -211,8 +211,11 @@ def _write_rows(
 def _write_axes(normal: FloatArray, slip: FloatArray, gravity: FloatArray, slow: float, axes: FloatArray) -> None:
     """Write the normal and two tangents (3, 3).
 
-    The first tangent follows the slip, or if the slip is slow the pull of gravity, or if gravity has no tangential part
-    the coordinate axis that is most nearly tangential.
+    The first tangent follows, in this order:
+
+    1. the slip, unless it is slow;
+    2. the tangential part of gravity, unless it is zero;
+    3. the coordinate axis that is most nearly tangential.
     """
     tangent = slip - dot(slip, normal) * normal
     if dot(tangent, tangent) < slow * slow:

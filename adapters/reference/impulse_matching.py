@@ -10,7 +10,7 @@ from stability_core.port import FloatArray, IntArray
 
 
 def moved_to(later: FoundContacts, earlier: FoundContacts, values: FloatArray) -> FloatArray:
-    """Return a vector (n, 3) for each later contact: the sum of the vectors of the earlier points nearest to it.
+    """Return a vector per later contact, shape (n, 3): the sum of the vectors of its nearest earlier points.
 
     A pair keeps the sum of its vectors, unless the pair has no point in the later list.
 

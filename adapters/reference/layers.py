@@ -1,8 +1,8 @@
-"""Stack layers from contacts: how many contacts lie between a body and the fixed boxes.
+"""Layers of a stack from its contacts: the number of contacts between a body and the fixed boxes.
 
 The height of a body is the least number of contacts on a path to a fixed box: 1 for a body on the ground. A contact
-belongs to the layer of its lower body, or one layer below if both bodies have the same height, so that it is solved
-when both bodies may move.
+belongs to the layer of its lower body. If both bodies have the same height, the contact belongs to the layer below, so
+that the solver treats the contact when both bodies may move.
 
     layer of a contact between heights a and b:  min(a, b)  if a != b,  a - 1  otherwise
 
@@ -21,8 +21,7 @@ from stability_core.port import IntArray
 def heights_of(body: IntArray, bodies: int) -> IntArray:
     """Return the height of each live body, shape (m,), by a breadth-first search from the fixed boxes.
 
-    A body without a path of contacts to a fixed box has the height 1 more than the highest body that has one, as in the
-    top layer.
+    A body without a path of contacts to a fixed box counts as one contact higher than the highest body with a path.
 
     Args:
         body: live bodies a and b of each contact, -1 for a fixed box, shape (n, 2).
@@ -60,7 +59,7 @@ def heights_of(body: IntArray, bodies: int) -> IntArray:
 
 @numba.njit(cache=True)
 def _neighbours(body: IntArray, bodies: int) -> tuple[IntArray, IntArray]:
-    """Return, for each live body, where its neighbours begin in a list, and the list."""
+    """Return a list of the neighbours of all live bodies, after the start index of each body in this list."""
     first = np.zeros(bodies + 1, np.int64)
     for c in range(len(body)):
         if body[c, 0] >= 0 and body[c, 1] >= 0:

@@ -5,7 +5,8 @@ Freezing: a frozen box is a fixed box. Nothing changes its pose, and rows of the
 Contacts: ``_contacts`` detects the contacts at the present poses. A force of the latest step belongs to the nearest
 present point of the same pair.
 
-Divergence: a state that is not finite stays so; the adapter then makes no further step, and reports poses as NaN.
+Divergence: a state that is not finite never becomes finite again. Therefore the adapter then makes no further step, and
+reports poses as NaN.
 """
 
 from __future__ import annotations

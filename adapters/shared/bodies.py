@@ -1,4 +1,4 @@
-"""Record of the bodies of a world: live, frozen, or moved by the host."""
+"""Record of the bodies of a world: live bodies, frozen bodies, and bodies that the host moves."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ NO_VELOCITY: Vector = (0.0, 0.0, 0.0)
 
 
 class Bodies:
-    """Record of the bodies of a world, each of which is live, frozen, or moved by the host. Ids are never reused.
+    """Record of the live, frozen and moved bodies of a world. An id never returns for another body.
 
     The public collections remain the same objects while the world exists, so that other objects may refer to them.
     """
@@ -58,13 +58,13 @@ class Bodies:
         self._removed.append(body)
 
     def freeze(self, body: int) -> None:
-        """Record that a live body is frozen."""
+        """Record the freeze of a live body."""
         self.frozen.add(body)
         del self.live[body]
         self._live_rows = None
 
     def unfreeze(self, body: int) -> None:
-        """Record that a frozen body is live again. The caller must then call ``sort_live``."""
+        """Record that a frozen body is live again; the caller must then call ``sort_live``."""
         self.frozen.remove(body)
         self.live[body] = self.bricks[body].mass
 

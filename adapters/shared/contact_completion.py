@@ -1,7 +1,7 @@
 """Completion, from the boxes' geometry, of the contacts of engines that list penetrating points only.
 
-For a brick that rests on three corners, tilted by micrometres, these engines list three points: half of the true
-contact area. For a roof over four edges with height differences of micrometres they list two edges. Under load the
+A brick that rests on three corners, tilted by micrometres, has three points in these lists: half of the true contact
+area. A roof over four edges, at heights that differ by micrometres, has two edges in these lists. Under load the
 missing corners would bear force as well. Other engines list these corners with a small gap. This module computes the
 missing corners by clipping one face by the other, as the engines themselves do.
 """
@@ -73,7 +73,7 @@ class BoxTable:
         self._boxes[self._first + body] = np.nan
 
     def with_missing_corners(self, contacts: Contacts) -> Contacts:
-        """Return the contacts, followed by the missing corners of their contact areas that touch or nearly touch.
+        """Return the contacts, followed by the missing corners, touching or nearly touching, of their contact areas.
 
         Each corner has the normal and the relative velocity of the first point of its pair.
         """
@@ -107,8 +107,8 @@ class BoxTable:
             contacts: contacts that the engine lists.
             live: ids of the live bodies, in rising order, shape (m,).
             friction: coefficient of every pair.
-            velocities: returns the velocities of bodies at points. These velocities precede the impact, because no
-                contact has stopped the bodies yet.
+            velocities: function that returns the velocities of bodies at points. These velocities precede the impact,
+                because no contact has stopped the bodies yet.
             way: distance [m] that a body may have moved after it touched another body.
         """
         listed = np.sort(self._pairs(contacts))
@@ -187,7 +187,7 @@ class BoxTable:
 
 
 def edges_of(brick: Brick) -> Vector:
-    """Return the edges [m] of a box, and NaN for any other shape, whose row then is as a row without a body."""
+    """Return the edges [m] of a box; NaN for any other shape, as in a row without a body."""
     return brick.size if brick.shape == "box" else (math.nan, math.nan, math.nan)
 
 

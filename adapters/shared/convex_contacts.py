@@ -1,8 +1,8 @@
-"""Completion, from the bodies' geometry, of the contacts of pairs of which one body is no box.
+"""Completion, from the bodies' geometry, of the contacts of pairs with at least one body that is no box.
 
-Engines list few points of a round face or of a line, and some list one more in each step: MuJoCo three points below a
-standing cylinder, which span a quarter of its face. The extension needs the whole contact area. At the normal that the
-engine lists, the points of each body that face the other are known exactly:
+Engines list few points of a round face or of a line, and some engines list one more point in each step. MuJoCo lists
+three points below a standing cylinder, which span a quarter of the cylinder's face. The extension needs the whole
+contact area. For the normal that the engine lists, the geometry gives the points of each body that face the other body:
 
 - box, polyhedron: its vertices;
 - cylinder: ``RIM`` points on each rim, one of them in the direction of the normal;
@@ -43,7 +43,7 @@ PosesOf = Callable[[IntArray], tuple[FloatArray, FloatArray]]
 
 
 class ConvexContacts:
-    """The bodies of a world that has bodies of other shapes than boxes."""
+    """Completion of contacts in a world that has bodies of other shapes than boxes."""
 
     def __init__(self, world: World) -> None:
         self._bricks: dict[int, Brick] = {fixed_id(index): body for index, body in enumerate(world.fixed)}
@@ -61,7 +61,7 @@ class ConvexContacts:
         self._others.discard(body)
 
     def completed(self, contacts: Contacts, poses_of: PosesOf) -> Contacts:
-        """Return the contacts, followed by the missing corners of the pairs of which one body is no box.
+        """Return the contacts, followed by the missing corners of pairs with a body that is no box.
 
         A corner has the velocity and the friction of the first contact of its pair, and no force.
         """
@@ -88,7 +88,7 @@ class ConvexContacts:
         return joined(contacts, replace(more, point=np.array(corners), separation=np.array(gaps), force=None))
 
     def _places(self, bodies: set[int], poses_of: PosesOf) -> dict[int, tuple[FloatArray, FloatArray]]:
-        """Return the position (3,) [m] and the quaternion (4,) of each body but the ground."""
+        """Return position (3,) [m] and quaternion (4,) of each body except the ground."""
         places = {
             body: (np.array(self._bricks[body].position), np.array(self._bricks[body].quaternion))
             for body in bodies
@@ -100,7 +100,7 @@ class ConvexContacts:
     def _missing(
         self, a: int, b: int, listed: Contacts, places: dict[int, tuple[FloatArray, FloatArray]]
     ) -> list[tuple[FloatArray, float]]:
-        """Return the corners (3,) [m] of a pair's contact area that are not listed, with their gaps [m]."""
+        """Return the corners (3,) [m] of a pair's contact area that the engine does not list, with their gaps [m]."""
         deepest = int(np.nanargmin(listed.separation)) if np.isfinite(listed.separation).any() else 0
         gap = float(np.nan_to_num(listed.separation[deepest]))
         normal, point = listed.normal[deepest], listed.point[deepest]
@@ -119,7 +119,7 @@ class ConvexContacts:
         return found
 
     def _facing(self, body: int, direction: FloatArray, places: dict[int, tuple[FloatArray, FloatArray]]) -> FloatArray:
-        """Return the points (k, 3) [m] of a body that may face along a direction (3,); none of the ground."""
+        """Return the points (k, 3) [m] of a body that may face along a direction (3,); no points for the ground."""
         if body == GROUND:
             return _HALF_SPACE
         brick, (position, quaternion) = self._bricks[body], places[body]
@@ -149,7 +149,7 @@ def _local_points(brick: Brick, direction: FloatArray) -> FloatArray:
 
 
 def _shared_part(one: FloatArray, other: FloatArray) -> FloatArray:
-    """Return the ends (2, 3) [m] of the part that two parallel lines share, or none if they cross or pass by."""
+    """Return the ends (2, 3) [m] of the part that two parallel lines share; no ends if they share none."""
     (start, end), (p, q) = one, other
     length = float(np.linalg.norm(end - start))
     along = (end - start) / length

@@ -1,7 +1,8 @@
 """Friction forces for engines that report normal forces only, from the bodies' change of momentum.
 
 Body i has mass m_i, and velocity v_i' before and v_i after a frame of length T. The sum f_i of its contact forces, the
-friction t_c of its contacts c across their normals n_c, and the engine's normal forces N_c satisfy
+friction t_c of its contacts c across their normals n_c, the engine's normal forces N_c, gravity g and the coefficients
+mu of friction satisfy
 
     f_i = m_i (v_i - v_i') / T - m_i g - (steady forces)
     sum over c of +-t_c = f_i - sum over c of +-N_c n_c      for every live body i

@@ -19,7 +19,7 @@ def ground_box(bricks: Iterable[Brick], scale: float, middle: float = 0.0) -> Br
     """Return a ground for ``bricks``, with half edges of at least ``MIN_HALF_EDGES`` times ``scale``.
 
     The ground is centred at x = ``middle`` [m], the scene's origin. Its length and width grow with the greatest
-    distance of a brick's corner from the centre, and its thickness does not.
+    distance of a brick's corner from the centre. Its thickness does not grow.
     """
     x, y, z = (scale * edge for edge in MIN_HALF_EDGES)
     reach = ROOM_TO_FALL * max((_reach(brick, middle) for brick in bricks), default=0.0)

@@ -22,7 +22,7 @@ def check_finite(quantity: str, value: Vector, unit: str) -> None:
 def check_mass(brick: Brick) -> None:
     """Raise ``ValueError`` unless the mass of a brick is positive and finite."""
     if not (math.isfinite(brick.mass) and brick.mass > 0):
-        raise ValueError(f"brick mass must be positive and finite, got {brick.mass} kg")
+        raise ValueError(f"brick mass must be positive and finite, got {brick.mass} kg; correct Brick.mass")
 
 
 def check_body(brick: Brick) -> None:
@@ -35,7 +35,9 @@ def check_pose(position: Vector, quaternion: Quaternion) -> None:
     """Raise ``ValueError`` unless the position [m] is finite and the quaternion (w, x, y, z) has unit length."""
     check_finite("position", position, "m")
     if not abs(np.linalg.norm(quaternion) - 1) < 1e-6:  # written so that NaN fails too
-        raise ValueError(f"quaternion (w, x, y, z) must be of unit length, got {quaternion}; divide it by its length")
+        raise ValueError(
+            f"quaternion (w, x, y, z) must be of unit length, got {quaternion}; divide the quaternion by its length"
+        )
 
 
 def check_vector_in_plane(engine: str, quantity: str, value: Vector, unit: str) -> None:

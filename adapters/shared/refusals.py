@@ -1,4 +1,4 @@
-"""Refusal of bodies that an adapter cannot build; a trial that meets one ends as ``unsupported``."""
+"""Refusal of bodies that an adapter cannot build; a trial with such a body ends as ``unsupported``."""
 
 from __future__ import annotations
 

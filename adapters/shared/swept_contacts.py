@@ -3,7 +3,7 @@
 Engines list pairs up to a gap of 0 to 20 mm, but a body at 10 m/s moves 167 mm per frame, so that it may collide
 between two readings of the contacts. This module therefore sweeps the boxes of fast bodies along their velocities. With
 d the vector between the centres and r_a, r_b the half widths along n, two translating boxes meet when the gap along the
-last of the 15 separating axes n (3 face normals each, 9 cross products of edges) closes:
+last of the 15 separating axes n (3 face normals of each box, 9 cross products of edges) closes:
 
     gap(n) = |d . n| - r_a(n) - r_b(n),    t(n) = gap(n) / closing speed along n,    t = max over n of t(n)
 

@@ -35,15 +35,13 @@ def check_package(engine: str, package: str) -> None:
     node()
     found, locked = FOLDER / "node_modules" / package / "package.json", engine_version(engine)
     if not found.exists():
-        raise ImportError(f"the npm package {package} is missing; run 'python -m adapters.wasm'")
+        raise ImportError(f"the npm package {package} is missing; run '{INSTALL}'")
     version = json.loads(found.read_text(encoding="utf-8"))["version"]
     if version != locked:
-        raise ImportError(
-            f"the npm package {package} must have version {locked}, got {version}; run 'python -m adapters.wasm'"
-        )
+        raise ImportError(f"the npm package {package} must have version {locked}, got {version}; run '{INSTALL}'")
 
 
 def description(engine: str) -> Description:
-    """Return the description of an engine from a stored copy of its hello message, so that Node is not needed."""
+    """Return the description of an engine from a stored copy of its hello message, so that the call needs no Node."""
     hello = json.loads((FOLDER / f"{engine}.json").read_text(encoding="utf-8"))
     return described({**hello, "version": engine_version(engine)})

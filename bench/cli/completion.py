@@ -63,7 +63,7 @@ def completing(names: Callable[[], Iterable[str]]) -> Callable[[str], list[str]]
 
 
 def profile_names() -> set[str]:
-    """Return the profile names of all engines from their files, because engines take seconds to load."""
+    """Return the names of all profiles, from the profile files, because engines take seconds to load."""
     files = (tomllib.loads(file.read_text(encoding="utf-8")) for file in FOLDER.glob("*.toml"))
     return {name for content in files for name in content.get("profiles", ())}
 

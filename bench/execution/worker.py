@@ -118,7 +118,7 @@ class IsolatedTrial:
             return
 
     def outcome(self) -> Outcome:
-        """Wait for the end of the process and return its outcome."""
+        """Wait for the end of the process; return the outcome of the trial."""
         try:
             return self.future.result()
         except ProcessExpired as error:

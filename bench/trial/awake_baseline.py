@@ -70,7 +70,7 @@ def time_baseline(engine: str, profile: str, world: World, stack: Snapshot) -> B
 
 
 def open_awake(engine: str, profile: str, world: World, stack: Snapshot) -> Simulation:
-    """Open a world without the extension; place the stack in it at its actual poses, with every brick awake."""
+    """Open a world without the extension; place the stack there at its actual poses, with every brick awake."""
     unit = stack.quaternion / np.linalg.norm(stack.quaternion, axis=1, keepdims=True)
     bricks = [at_pose(*row) for row in zip(stack.bricks, stack.position, unit, strict=True)]
     simulation = open_engine(engine, profile, world=world, expected=bricks)

@@ -80,7 +80,10 @@ class Plan:
         return thickness
 
     def boxes_at(self, position: FloatArray, quaternion: FloatArray, rows: BoolArray | slice = slice(None)) -> Boxes:
-        """Return the bricks of ``rows``, given centres [m], (n, 3), and quaternions (w, x, y, z), (n, 4), of all."""
+        """Return the bricks of ``rows`` at the given poses.
+
+        ``position`` [m] (n, 3) and ``quaternion`` (w, x, y, z) (n, 4) are the poses of all n bricks.
+        """
         shapes = None
         if self.shapes is not None:
             shapes = [self.shapes[row] for row in np.arange(len(self.size))[rows].tolist()]

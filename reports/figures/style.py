@@ -45,7 +45,7 @@ def save(figure: Figure, stem: Path) -> str:
 
 
 def for_page(svg: str, label: str, policies: Sequence[str]) -> str:
-    """Return a figure with the colours and fonts of the page that embeds it.
+    """Return a figure with the colours and fonts of the page that embeds the figure.
 
     Args:
         svg: the figure as SVG, from ``save``.

@@ -152,7 +152,7 @@ def _coloured(cell: str) -> Text:
 
 
 def _unless_said(row: tuple[str, ...], previous: tuple[str, ...]) -> list[str]:
-    """Return the entries of a row; replace leading entries equal to the row above by blanks."""
+    """Return the entries of a row, with blanks for the leading entries that repeat the row above."""
     cells, same = [], True
     for index, cell in enumerate(row):
         same = same and index < len(row) - 1 and previous[index : index + 1] == (cell,)

@@ -64,7 +64,7 @@ def _with_interval(estimate: Estimate, digits: int, scale: float, unit: str) -> 
 def median_level(survival: Survival | None) -> str:
     """Format the median collapse level with its interval, such as ``9 [8, 11]``; a dash for None.
 
-    The text is ``>30`` if the median lies above the highest built level, 30.
+    For example, the text is ``>30`` if the median lies above 30, the highest built level.
     """
     if survival is None:
         return NOTHING
