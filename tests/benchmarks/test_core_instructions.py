@@ -1,5 +1,6 @@
 """A core that costs 3 % more instructions is found, and equal cores are equal, on a machine that others share."""
 
+import json
 import statistics
 
 import pytest
@@ -17,9 +18,17 @@ PLANTED = 0.03
 def test_three_percent_are_found_nineteen_times_in_twenty_and_equal_cores_never(monkeypatch) -> None:
     """Each of 20 blocks of one process against a block of another; two processes without a plant, one with."""
     monkeypatch.setenv("PYTHONPATH", "tests/bench/plants:.")
-    base, same, planted = under_callgrind(), under_callgrind(), under_callgrind("core_three_percent")
+    base, same = under_callgrind(), under_callgrind()
+    middle = {frame: statistics.median(counts) for frame, counts in base.items()}
+
+    def with_extra(instructions: dict[str, float]) -> dict[str, list[float]]:
+        monkeypatch.setenv("EXTRA_INSTRUCTIONS", json.dumps(instructions))
+        return under_callgrind("core_three_percent")
+
+    empty = with_extra(dict.fromkeys(base, 0.0))  # the loop costs something even without steps
+    planted = with_extra({frame: (1 + PLANTED) * middle[frame] - statistics.median(empty[frame]) for frame in base})
     for frame, counts in base.items():
-        growth = statistics.median(planted[frame]) / statistics.median(counts) - 1
+        growth = statistics.median(planted[frame]) / middle[frame] - 1
         assert growth == pytest.approx(PLANTED, abs=0.004), f"the plant in the {frame} is what it says"
         found = [now / was - 1 > LARGER["instructions"] for was, now in zip(counts, planted[frame], strict=True)]
         false = [now / was - 1 > LARGER["instructions"] for was, now in zip(counts, same[frame], strict=True)]
