@@ -40,7 +40,7 @@ def unfreeze(world: World, row: int) -> None:
     body["rest_s"] = body["still_s"] = body["lean_s"] = body["steady_s"] = 0.0
     body["blow"] = body["slid"] = 0.0
     body["load_s"] = world.settings.load_s
-    body["is_load"], body["load_center"] = True, body["center"]
+    body["is_load"], body["load_center"], body["load_steady_s"] = True, body["center"], body["steady_s"]
     body["load_supported_by"] = supports_as_bits(world.graph, row)
 
 

@@ -238,7 +238,7 @@ def lay_all(graph: Graph, buffers: FrameBuffers, ids: IntArray, frames: int, fac
         lay_patches(graph, contacts, rows[start[i] : start[i + 1]], ids[i], face_angle)
         row = bodies[ids[i]]
         row.is_load = True
-        row.load_supported_by = row.supported_by
+        row.load_supported_by, row.load_steady_s = row.supported_by, row.steady_s
         for k in range(3):
             row.load_center[k] = row.center[k]
 

@@ -232,6 +232,8 @@ def list_shifted_loads(
 ) -> tuple[int, int]:
     """List the live bodies with outdated patches; return the lengths of both lists.
 
+    A load that has kept its place for ``doubt_s`` is listed once more, because its forces are certain from then on.
+
     Args:
         bodies: the table.
         ids: the live bodies, shape (m,).
@@ -246,8 +248,10 @@ def list_shifted_loads(
             continue
         moved = _squared_distance(body.center, body.load_center)
         stale = body.supported_by != body.load_supported_by or moved > (limits.load_shift * body.size) ** 2
+        keeps_place = limits.doubt_s - ROUNDING_S
+        ripens = body.steady_s >= keeps_place and body.load_steady_s < keeps_place
         lies = body.load_s >= limits.load_s - ROUNDING_S
-        if lies and (stale or not body.is_load):
+        if lies and (stale or ripens or not body.is_load):
             lying[n] = ids[i]
             n += 1
         elif not lies and body.is_load:

@@ -21,6 +21,8 @@ _UP, _ASIDE = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
 _STILL = (0.0, 0.0, 0.0)
 _DEEP = (-_HALF, _HALF)
 _FAST = (0.0, 0.0, -5.0)
+_PUSH = (20.0, 0.0, 0.0)
+"""Force [N] at each point of a side contact, more than friction holds."""
 _TILTED = (0.5, 0.0, -9.81)
 
 
@@ -75,7 +77,7 @@ class ScriptedPort:
 
     def __init__(self) -> None:
         self.bodies = {body: center for body, center in _CUBES.items() if body != _LATE}
-        self.velocity = _STILL
+        self.velocity = self.push = _STILL
         self._frozen: set[int] = set()
         self._removed: list[int] = []
 
@@ -97,7 +99,7 @@ class ScriptedPort:
             np.zeros(count),
             np.tile(self.velocity, (count, 1)),
             np.full(count, 0.6),
-            np.zeros((count, 3)),
+            np.array([self.push if touch.normal == _ASIDE else _STILL for touch, _ in rows]).reshape(-1, 3),
         )
 
     def masses(self) -> Masses:
@@ -159,4 +161,6 @@ def play_script(extension: ScriptedExtension, port: ScriptedPort) -> None:
     port.take_away(1)
     rest()
     extension.gravity = _TILTED
+    rest()
+    port.push = _PUSH  # a live cube pushes a frozen cube away
     rest()

@@ -88,6 +88,7 @@ BODY = np.dtype(
         ("is_load", "?"),
         ("load_center", "f8", (3,)),  # centre of mass for which the patches were built [m]
         ("load_supported_by", "u8"),  # supports for which the patches were built, as ``supported_by``
+        ("load_steady_s", "f8"),  # ``steady_s`` at the time when the patches were built [s]
         ("provisional", "?"),  # it touches or carries live bodies, so that its patches change when it freezes
         # scratch of one frame
         ("rule", "i1"),  # its strictest rule: AT_REST, LEANING or LYING

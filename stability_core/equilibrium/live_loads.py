@@ -179,3 +179,43 @@ def contact_load(graph: Graph, buffers: FrameBuffers, part: Part, limits: Limits
                     lever[k] = contact.point[k] - graph.bodies[target].center[k]
                 add_wrench(pushed[index[target]], sign / frames, contact.force, lever, part.size[index[target]])
     return pushed
+
+
+@compiled
+def live_imbalance(graph: Graph, buffers: FrameBuffers, live: IntArray, limits: Limits) -> float:
+    """Return the greatest imbalance of a body of ``live`` (k,) under the mean contact forces, over the largest of them.
+
+    The reported forces are those of statics only if they balance the weights of bodies at rest. An engine may hold
+    bodies in place by other means, and a port may estimate friction. The cost is O(contacts of the latest dwell
+    frames).
+
+    Args:
+        graph: the stack.
+        buffers: the dwell frames, with contact forces.
+        live: live bodies at rest, shape (k,).
+        limits: the settings, shape (1,).
+    """
+    bodies = graph.bodies
+    index = np.full(len(bodies), -1)
+    rest, largest, lever = np.zeros((len(live), 6)), np.empty(len(live)), np.empty(3)
+    for i in range(len(live)):
+        index[live[i]] = i
+        rest[i, 2] = -bodies[live[i]].mass * limits[0].gravity
+        largest[i] = -rest[i, 2]
+    frames, room = frames_of(buffers, limits[0].load_s), len(buffers.contacts) // len(buffers.sizes)
+    for back in range(frames):
+        frame = frame_before(buffers, back)
+        for at in range(frame * room, frame * room + buffers.sizes[frame]):
+            contact = buffers.contacts[at]
+            for target, sign in ((contact.body_b, 1.0), (contact.body_a, -1.0)):
+                if target == GROUND or index[target] < 0:
+                    continue
+                i = index[target]
+                for k in range(3):
+                    lever[k] = contact.point[k] - bodies[target].center[k]
+                    largest[i] = max(largest[i], abs(contact.force[k]))
+                add_wrench(rest[i], sign / frames, contact.force, lever, bodies[target].size)
+    greatest = 0.0
+    for i in range(len(live)):
+        greatest = max(greatest, np.abs(rest[i]).max() / largest[i])
+    return greatest

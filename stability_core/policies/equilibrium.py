@@ -22,7 +22,14 @@ import numpy as np
 
 from stability_core.equilibrium.assembly import AS_BEFORE, FIXED, Part, Terms, part_of
 from stability_core.equilibrium.component import bearing, component
-from stability_core.equilibrium.live_loads import carriers, contact_load, is_upright, live_load, lying_on
+from stability_core.equilibrium.live_loads import (
+    carriers,
+    contact_load,
+    is_upright,
+    live_imbalance,
+    live_load,
+    lying_on,
+)
 from stability_core.equilibrium.loading import STIFFNESSES
 from stability_core.equilibrium.memory import hand_on, memory_for, recall, remember
 from stability_core.equilibrium.problem import Problem, relieved_of
@@ -52,6 +59,9 @@ friction."""
 UNCERTAIN = 0.2
 """Ratio of the greatest missing force to the greatest load, up to which no body unfreezes if the loads are estimates,
 because contact forces fluctuate by as much."""
+UNCERTAIN_AT_REST = 0.01
+"""The same ratio if the loads are certain: all live bodies have kept their places for ``doubt_s``, and the reported
+forces balance each of them up to this ratio."""
 TOGETHER = 12
 """Greatest number of candidates judged together within a budget, because few bodies hold each other in a pile, and a
 solve of fifty bodies that lean on each other takes 0.5 s."""
@@ -330,7 +340,16 @@ class Equilibrium(Policy):
         if verdict == "unstable" and (upright or len(goes) == 0):
             return goes
         lacking = np.abs(answer[2]).max() if verdict == "unstable" else np.inf
-        return seeds if lacking > UNCERTAIN * np.abs(problem.load).max() else ids[:0]
+        error = UNCERTAIN_AT_REST if self._are_certain(graph, buffers, live) else UNCERTAIN
+        return seeds if lacking > error * np.abs(problem.load).max() else ids[:0]
+
+    def _are_certain(self, graph: Graph, buffers: FrameBuffers, live: IntArray) -> bool:
+        """Return whether the reported forces of the ``live`` bodies (k,) are those of statics."""
+        if buffers.clock.item(HAS_FORCES) == 0.0:
+            return False
+        are_balanced = live_imbalance(graph, buffers, live, self.limits) <= UNCERTAIN_AT_REST
+        keep_place = graph.bodies["steady_s"][live] >= self.settings.doubt_s - ROUNDING_S
+        return bool(are_balanced and keep_place.all())
 
     def _pressed(self, graph: Graph, buffers: FrameBuffers, part: Part, live: IntArray) -> tuple[FloatArray, BoolArray]:
         """Return the loads (n, 6) of ``live`` bodies (k,) on a part, and the mask (k,) of live bodies that forces hold.
