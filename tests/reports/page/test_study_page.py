@@ -250,6 +250,31 @@ def test_a_row_of_a_public_thread_names_it(tmp_path, open_page) -> None:
     assert [row[header.index("thread")] for row in rows] == [thread.name, "-"]
 
 
+def test_a_row_that_shows_a_known_fault_of_its_engine_names_the_thread(tmp_path, open_page) -> None:
+    """The flag is a link below the engine's name, which filters, commands and copies use without it."""
+    records = [record(engine="mujoco", verdict="creeps"), record(engine="mujoco", policy="paper"), record()]
+    opened = open_page(page_of(tmp_path, records))
+    flags = opened.locator("#table .flag")
+    assert flags.all_inner_texts() == ["mujoco#3328"]
+    assert flags.get_attribute("href") == "https://github.com/google-deepmind/mujoco/issues/3328"
+    opened.select_option("#filters [name=engine]", "mujoco")
+    assert len(shown(opened)) == 2
+    opened.select_option("#filters [name=base]", "mujoco game paper")
+    assert shown(opened)[0].count(TIMES) == 2, "the row with the flag has a ratio of each time"
+    opened.locator("#table summary").first.click()
+    opened.locator("#table details[open] .command").wait_for()
+    details = opened.locator("#table details[open]").inner_text()
+    assert "Known fault of mujoco, google-deepmind/mujoco#3328: regularised friction never sticks" in details
+    assert "--engine mujoco --profile game" in details
+    opened.evaluate("navigator.clipboard.writeText = async text => { window.copied = text; }")
+    opened.locator("#copy").get_by_role("button", name="CSV").click()
+    opened.wait_for_function("window.copied")
+    assert opened.evaluate("window.copied").splitlines()[1].startswith("four_stack,stands,mujoco,game,none,")
+    table = (tmp_path / "study" / "report" / "comparison.csv").read_text(encoding="utf-8")
+    header, *rows = csv.reader(table.splitlines())
+    assert [row[header.index("known fault")] for row in rows] == ["google-deepmind/mujoco#3328", "-", "-"]
+
+
 def test_words_of_an_engine_are_no_part_of_the_page(page) -> None:
     assert "last words &lt;b&gt;of&lt;/b&gt; an engine" in page.read_text(encoding="utf-8")
 
