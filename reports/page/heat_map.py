@@ -32,7 +32,8 @@ class Column:
     family: str
     """Name of the scenario of a scene; empty for a user's own scene, and for a family."""
     rest: str
-    """Name without the family."""
+    """Name without the family; ``unvaried`` for a scene with the default parameters that is not the first column of its
+    family, whose name the map shows once."""
     is_first: bool
     """True for the first column of its family."""
     note: str
@@ -120,7 +121,7 @@ def _scene_columns(groups: Sequence[Group], names: Mapping[str, str]) -> list[Co
         family = "" if group.scenario == OWN_SCENE else group.scenario
         rest = name.removeprefix(family).removeprefix("-") if family else name
         is_first = bool(family) and not any(column.family == family for column in columns[-1:])
-        columns.append(Column(name, family, rest, is_first, str(group.expectation)))
+        columns.append(Column(name, family, rest if rest or is_first else "unvaried", is_first, str(group.expectation)))
     return columns
 
 
