@@ -134,7 +134,8 @@ def _at(timeline: Timeline, time: float) -> tuple[FloatArray, FloatArray]:
         x, y, z = poses.position[place].tolist()
         w, i, j, k = poses.quaternion[place].tolist()
         length, width, height = timeline.sizes[place].tolist()
-        brick = Brick((length, width, height), mass or 1.0, (x, y, z), (w, i, j, k))
+        shape = timeline.recording.shape(int(timeline.bodies[place]))
+        brick = Brick((length, width, height), mass or 1.0, (x, y, z), (w, i, j, k), shape=shape)
         if mass is None:
             driven.append(brick)
         else:

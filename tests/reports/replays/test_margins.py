@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -21,6 +22,7 @@ from reports.replays.margins import (
 )
 from scenarios.model import Brick, World
 from scenarios.planks import GRAVITY, LENGTH, MASS, MU, lay
+from scenarios.solids import cylinder
 
 OFFSET = LENGTH / 8.5
 NOISE_M = 1e-4
@@ -52,6 +54,14 @@ def test_margins_of_recorded_poses_are_those_of_the_plan() -> None:
     assert margins.load_n[-1, 7] == pytest.approx(expected, rel=0.02)
     assert np.isinf(margins.load_n[-1, :4]).all()
     assert margins.weight_n == pytest.approx(MASS * GRAVITY)
+
+
+def test_a_log_on_the_ground_rolls_at_any_tilt() -> None:
+    """Its contact is a line below its axis; the box around it would stand up to 45 deg, or slide at atan(mu)."""
+    log = cylinder(0.1, 0.4, position=(0, 0, 0.1), quaternion=(math.sqrt(0.5), 0, math.sqrt(0.5), 0), density=800)
+    recorder = Recorder(1 / 60, World(friction=MU))
+    recorder.see(np.arange(1), np.array([log.position]), np.array([log.quaternion]), (), {0: log})
+    assert margins_of(recorder.finish()).tilt_deg[-1, 0] < 1.0, "1.1 deg is the angle of contact of recorded poses"
 
 
 def test_what_the_host_moves_carries_and_has_no_margin() -> None:
