@@ -71,6 +71,8 @@ class HeatMap:
     ``text`` if columns are families."""
     columns: tuple[Column, ...]
     rows: tuple[Row, ...]
+    right: tuple[int, ...]
+    """Number of set-ups that are right in all builds of each column."""
     legend: tuple[tuple[str, str], ...]
     """States that occur in the map, each with its description, in the order of ``STATES``."""
 
@@ -111,7 +113,8 @@ def _map(by: str, members: Mapping[tuple[str], list[Group]], columns: Sequence[C
     shown = {cell.state for row in rows for cell in row.cells}
     legend = [(str(state), STATE_WORDS[state][0]) for state in STATES if state in shown]
     legend += [(MISSING, "no trial")] if MISSING in shown else []
-    return HeatMap(by, tuple(columns), rows, tuple(legend))
+    right = [sum(row.cells[number].state == "right" for row in rows) for number in range(len(columns))]
+    return HeatMap(by, tuple(columns), rows, tuple(right), tuple(legend))
 
 
 def _scene_columns(groups: Sequence[Group], names: Mapping[str, str]) -> list[Column]:

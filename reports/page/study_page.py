@@ -23,6 +23,7 @@ from reports.page.gallery import shelves
 from reports.page.heat_map import heat_maps
 from reports.page.problems import problems
 from reports.page.scene_names import scene_names, title_of
+from reports.page.set_ups import first_place, set_up_description
 from reports.page.summary import verdicts
 from reports.page.traces import traces
 from reports.records.atomic import write_atomic
@@ -77,7 +78,7 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
     thinned, without_frames = traces(folder, groups)
     study = kept.study.get("name")
     rows, of_pairs, study_caption = comparison_rows(groups), pair_rows(groups), caption(folder, records)
-    policies = ordered_policies(group.key.policy for group in groups)
+    policies, shown = ordered_policies(group.key.policy for group in groups), _columns(rows)
     page = (
         _environment()
         .get_template("page.html.j2")
@@ -88,21 +89,25 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
             css=_part("page.css"),
             scripts=[_part(name) for name in _SCRIPTS],
             verdict=sentence(judged, len(missing)),
+            first=first_place(judged, engines),
             ranking=ranking_table(judged, records),
             maps=heat_maps(groups_of(fixed), judged, names),
             names=names,
             policies={name: POLICY_SENTENCES.get(name, "A policy of your own.") for name in policies},
             row_data=_row_data(groups, names, _study_file(folder) if study is not None else None),
-            shown=_ROWS_SHOWN,
+            rows_shown=_ROWS_SHOWN,
             inks=inks(policies),
             numbers={policy: number for number, policy in enumerate(policies)},
             problems=problems(records, missing, without_frames),
             verdicts=sentences,
             share_note=_share_note(groups, bool(of_pairs)),
-            set_ups={(one.engine, one.profile): _set_up(engines, one.engine, one.profile) for one in sentences},
+            set_ups={
+                (one.engine, one.profile): set_up_description(engines, one.engine, one.profile) for one in sentences
+            },
             pairs=_pairs(of_pairs, figures, policies),
             rows=rows,
-            columns=_columns(rows),
+            columns=shown,
+            left_out=[column for number, column in enumerate(COLUMNS) if number not in shown],
             marks=_MARKS,
             choices=_choices(groups, names),
             set_up_names=list(dict.fromkeys(" ".join(group.key[1:]) for group in groups)),
@@ -222,16 +227,6 @@ def _choices(groups: Sequence[Group], names: Mapping[str, str]) -> dict[str, lis
         "policy": ordered_policies(group.key.policy for group in groups),
     }
     return {**choices, "outcome": ["right", "wrong", "mixed", "open"]}
-
-
-def _set_up(engines: Mapping[str, Any], engine: str, profile: str) -> str:
-    """Return the description of a profile in the environment, followed by the variation of the profile, if any.
-
-    The text is empty if the environment does not describe the profile.
-    """
-    name, _, varied = profile.partition("@")
-    described: str = engines.get(engine, {}).get("profiles", {}).get(name, {}).get("description", "")
-    return f"{described}; {varied}" if described and varied else described
 
 
 def _share_note(groups: Sequence[Group], in_pairs: bool) -> str:

@@ -44,8 +44,8 @@ COLUMNS = (
     ),
     Column(
         "against none",
-        "pairs of a seed with the engine alone: higher levels / lower levels; p of no difference, by Holm's method "
-        "for all comparisons of this column",
+        "pairs of a seed, two or more, with the engine alone: higher levels / lower levels; p of no difference, by "
+        "Holm's method for all comparisons of this column",
     ),
 )
 

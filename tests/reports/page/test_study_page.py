@@ -150,6 +150,15 @@ def test_the_verdict_is_the_first_words_and_the_ranking_next(page) -> None:
     assert output.index("No set-up is right in both scenes (7 builds)") < output.index("Read this first")
 
 
+def test_the_verdict_leads_to_the_settings_that_it_names(tmp_path, open_page) -> None:
+    opened = open_page(page_of(tmp_path, [record()]))
+    assert "game: one step a frame (each setting of bullet, with its reason)" in opened.locator("#verdict").inner_text()
+    settings = opened.locator("#set-bullet-game")
+    assert not settings.is_visible(), "it is folded"
+    opened.locator("#verdict a").click()
+    settings.wait_for()
+
+
 def questions() -> list[list[str]]:
     """The questions of ``docs/reading_a_page.md`` and the places of their answers."""
     lines = (DOCS / "reading_a_page.md").read_text(encoding="utf-8").splitlines()
@@ -220,6 +229,7 @@ def test_many_scenes_have_a_map_by_family_first(tmp_path, open_page) -> None:
     maps = opened.locator(".heat table")
     assert [one.get_attribute("data-by") for one in maps.all()] == ["text", "scene"]
     assert maps.first.locator("tbody td b").all_inner_texts() == ["3 false stands of 29", "correct", "correct"]
+    assert maps.first.locator("tfoot").inner_text().split("\t") == ["set-ups right, of 1", "", "0", "1", "1"]
     assert not maps.last.is_visible()
 
 
@@ -237,7 +247,10 @@ def test_a_column_of_the_heat_map_has_a_name_also_where_its_scene_is_the_family_
 def test_a_column_without_an_entry_is_left_out(tmp_path, open_page) -> None:
     always = ["scene", "theory", "engine", "profile", "policy", "seeds", "levels", "right"]
     assert heads(open_page(page_of(tmp_path / "rested", [record()]))) == [*always, "p50", "p99", "again"]
-    assert "creep" in heads(open_page(page_of(tmp_path / "crept", [record(creep_m_s=1e-6)])))
+    opened = open_page(page_of(tmp_path / "crept", [record(creep_m_s=1e-6)]))
+    assert "creep" in heads(opened)
+    note = opened.locator("#matrix > .note").last.inner_text()
+    assert re.search(r"left out: sink \(.+ratio \(.+against none \(pairs of a seed, two or more", note)
 
 
 def test_own_scenes_have_the_names_of_their_files(tmp_path) -> None:
