@@ -45,6 +45,10 @@ LOAD_CLASSES, TILT_CLASSES = (1.0, 3.0, 10.0, 30.0), (2.0, 5.0, 10.0, 20.0)
 [deg]."""
 
 
+class _OverlapError(ExportError):
+    """Bricks overlap so far that their contacts are unknown."""
+
+
 @dataclass(frozen=True, slots=True)
 class Margins:
     """The margins of the n bricks of a recording at t instants.
@@ -57,7 +61,8 @@ class Margins:
     times: list[float]
     """Simulated times of the instants [s], ascending, t entries."""
     load_n: FloatArray
-    """Greatest additional load [N], shape (t, n); NaN for bricks that are not in the world or that the host moves."""
+    """Greatest additional load [N], shape (t, n); NaN for bricks that are not in the world or that the host moves,
+    and for all bricks where some overlap so far that their contacts are unknown."""
     tilt_deg: FloatArray
     """Greatest tilt of gravity [deg], shape (t, n); NaN where ``load_n`` is NaN."""
     weight_n: FloatArray
@@ -91,7 +96,8 @@ def margins_of(recording: Recording, times: Sequence[float] | None = None) -> Ma
         times: instants [s]; None for ``settled_times``.
 
     Raises:
-        ExportError: if the recording has no masses, or bricks overlap so far that their contacts are unknown.
+        ExportError: if the recording has no masses, or if at every instant bricks overlap so far that their contacts
+            are unknown.
     """
     if recording.physics is None:
         raise ExportError(
@@ -99,7 +105,16 @@ def margins_of(recording: Recording, times: Sequence[float] | None = None) -> Ma
         )
     timeline = Timeline(recording)
     instants = list(settled_times(recording) if times is None else times)
-    rows = [_at(timeline, time) for time in instants]
+    nothing = np.full(len(timeline.bodies), np.nan)
+    rows, overlaps = [], []
+    for time in instants:
+        try:
+            rows.append(_at(timeline, time))
+        except _OverlapError as error:
+            rows.append((nothing, nothing))
+            overlaps.append(error)
+    if overlaps and len(overlaps) == len(instants):
+        raise overlaps[-1]
     shape = len(instants), len(timeline.bodies)
     strength = float(np.linalg.norm(recording.physics.gravity[0][1]))
     masses = [recording.physics.masses.get(body, np.nan) for body in timeline.bodies.tolist()]
@@ -163,9 +178,9 @@ def _touching(bricks: Sequence[Brick], walls: Sequence[Brick], time: float) -> l
             return contact_patches(bricks, walls, tolerance=tolerance)
         except ValueError as error:
             if tolerance.touch >= _MOST_TOUCH:
-                raise ExportError(
+                raise _OverlapError(
                     f"margins need bricks that do not overlap, got bricks that have sunk into each other "
-                    f"at {time:.2f} s ({error}): choose another time"
+                    f"at {time:.2f} s ({error}): choose another time with --at, or --alone if another stack fell"
                 ) from error
             tolerance = tolerance._replace(touch=min(1.5 * tolerance.touch, _MOST_TOUCH))
 

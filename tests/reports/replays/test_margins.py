@@ -89,6 +89,16 @@ def test_margins_are_written_as_numbers(tmp_path) -> None:
     assert [(row["brick"], row["load_margin_n"]) for row in rows] == [("0", "inf"), ("0", "inf"), ("1", "inf")]
 
 
+def test_an_instant_of_sunk_bricks_has_no_margins_and_leaves_the_others() -> None:
+    planks, recorder = [lay(0.0, level=1), lay(0.0, level=2)], Recorder(1 / 60, World(friction=MU))
+    for sunk in (0.0, 0.5):
+        position = np.array([plank.position for plank in planks]) - [[0, 0, 0], [0, 0, sunk * planks[0].size[2]]]
+        recorder.see(np.arange(2), position, np.tile([1.0, 0, 0, 0], (2, 1)), (), dict(enumerate(planks)))
+    tilts = margins_of(recorder.finish(), [0.0, 1 / 60]).tilt_deg
+    assert (tilts[0] > 5).all()
+    assert np.isnan(tilts[1]).all()
+
+
 def test_a_recording_without_masses_and_one_of_sunk_bricks_are_refused_with_the_fix() -> None:
     with pytest.raises(ExportError, match="run the trial again to see margins"):
         margins_of(replace(tower(2), physics=None))
