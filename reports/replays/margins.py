@@ -89,16 +89,33 @@ def legend(quantity: Quantity) -> tuple[str, list[str]]:
 
 
 def margins_of(recording: Recording, times: Sequence[float] | None = None) -> Margins:
-    """Return the margins of a recording.
+    """Return the margins of a recording; see ``margins_beside``."""
+    return margins_beside([recording], times)[0]
+
+
+def margins_beside(recordings: Sequence[Recording], times: Sequence[float] | None = None) -> list[Margins]:
+    """Return the margins of recordings that are shown side by side, in their order.
 
     Args:
-        recording: a recording with masses, friction and gravity.
-        times: instants [s]; None for ``settled_times``.
+        recordings: recordings with masses, friction and gravity.
+        times: instants [s]; None for ``settled_times`` of each.
 
     Raises:
-        ExportError: if the recording has no masses, or if at every instant bricks overlap so far that their contacts
-            are unknown.
+        ExportError: if a recording has no masses, or if in all recordings and at all instants bricks overlap so far
+            that their contacts are unknown.
     """
+    found, overlaps = [], []
+    for recording in recordings:
+        margins, overlap = _margins(recording, times)
+        found.append(margins)
+        overlaps.append(overlap)
+    if all(overlaps):
+        raise ExportError(overlaps[-1])
+    return found
+
+
+def _margins(recording: Recording, times: Sequence[float] | None) -> tuple[Margins, str]:
+    """Return the margins of a recording, and the reason if no instant has margins."""
     if recording.physics is None:
         raise ExportError(
             "margins need a recording with masses, got one of an earlier version: run the trial again to see margins"
@@ -112,19 +129,18 @@ def margins_of(recording: Recording, times: Sequence[float] | None = None) -> Ma
             rows.append(_at(timeline, time))
         except _OverlapError as error:
             rows.append((nothing, nothing))
-            overlaps.append(error)
-    if overlaps and len(overlaps) == len(instants):
-        raise overlaps[-1]
+            overlaps.append(str(error))
     shape = len(instants), len(timeline.bodies)
     strength = float(np.linalg.norm(recording.physics.gravity[0][1]))
     masses = [recording.physics.masses.get(body, np.nan) for body in timeline.bodies.tolist()]
-    return Margins(
+    margins = Margins(
         timeline.bodies,
         instants,
         np.array([load for load, _ in rows]).reshape(shape),
         np.array([tilt for _, tilt in rows]).reshape(shape),
         strength * np.array(masses),
     )
+    return margins, overlaps[-1] if 0 < len(overlaps) == len(instants) else ""
 
 
 def settled_times(recording: Recording) -> list[float]:
@@ -180,7 +196,7 @@ def _touching(bricks: Sequence[Brick], walls: Sequence[Brick], time: float) -> l
             if tolerance.touch >= _MOST_TOUCH:
                 raise _OverlapError(
                     f"margins need bricks that do not overlap, got bricks that have sunk into each other "
-                    f"at {time:.2f} s ({error}): choose another time with --at, or --alone if another stack fell"
+                    f"at {time:.2f} s ({error}): choose another time"
                 ) from error
             tolerance = tolerance._replace(touch=min(1.5 * tolerance.touch, _MOST_TOUCH))
 

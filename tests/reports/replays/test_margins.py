@@ -16,6 +16,7 @@ from reports.replays.margins import (
     MARGIN_COLOURS,
     Margins,
     legend,
+    margins_beside,
     margins_of,
     settled_times,
     write_margins,
@@ -111,5 +112,11 @@ def test_a_recording_without_masses_and_one_of_sunk_bricks_are_refused_with_the_
         (),
         {0: plank, 1: plank},
     )
+    recording = sunk.finish()
     with pytest.raises(ExportError, match="sunk into each other"):
-        margins_of(sunk.finish())
+        margins_of(recording)
+    with pytest.raises(ExportError, match="sunk into each other"):
+        margins_beside([recording, recording])
+    fallen, standing = margins_beside([recording, tower(1)])
+    assert np.isnan(fallen.tilt_deg).all()
+    assert (standing.tilt_deg > 5).all()
