@@ -27,6 +27,7 @@ from reports.tables.cost import cost_tables
 from reports.tables.divisions import division_tables
 from reports.tables.forces import force_tables
 from reports.tables.height_cost import height_cost_tables
+from reports.tables.known_faults import known_fault_tables
 from reports.tables.latex import table_to_latex
 from reports.tables.pairs import pair_tables
 from reports.tables.piles import pile_tables
@@ -60,6 +61,7 @@ SECTIONS = (
     Section("study", lambda folder: study_tables(fixed) if (fixed := _fixed(folder)) else ()),
     Section("cost", lambda folder: cost_tables(folder.records, folder.environment)),
     Section("divisions", lambda folder: division_tables(_fixed(folder))),
+    Section("known_faults", lambda folder: known_fault_tables(folder.records)),
     Section("threads", lambda folder: thread_tables(folder.records)),
     Section("soak", lambda folder: soak_tables(folder.records)),
     Section("thresholds", lambda folder: threshold_tables(folder.records, folder.study)),

@@ -32,7 +32,8 @@ class Column:
     family: str
     """Name of the scenario of a scene; empty for a user's own scene, and for a family."""
     rest: str
-    """Name without the family."""
+    """Name without the family; ``unvaried`` for a scene with the default parameters that is not the first column of its
+    family, whose name the map shows once."""
     is_first: bool
     """True for the first column of its family."""
     note: str
@@ -70,6 +71,8 @@ class HeatMap:
     ``text`` if columns are families."""
     columns: tuple[Column, ...]
     rows: tuple[Row, ...]
+    right: tuple[int, ...]
+    """Number of set-ups that are right in all builds of each column."""
     legend: tuple[tuple[str, str], ...]
     """States that occur in the map, each with its description, in the order of ``STATES``."""
 
@@ -110,7 +113,8 @@ def _map(by: str, members: Mapping[tuple[str], list[Group]], columns: Sequence[C
     shown = {cell.state for row in rows for cell in row.cells}
     legend = [(str(state), STATE_WORDS[state][0]) for state in STATES if state in shown]
     legend += [(MISSING, "no trial")] if MISSING in shown else []
-    return HeatMap(by, tuple(columns), rows, tuple(legend))
+    right = [sum(row.cells[number].state == "right" for row in rows) for number in range(len(columns))]
+    return HeatMap(by, tuple(columns), rows, tuple(right), tuple(legend))
 
 
 def _scene_columns(groups: Sequence[Group], names: Mapping[str, str]) -> list[Column]:
@@ -120,7 +124,7 @@ def _scene_columns(groups: Sequence[Group], names: Mapping[str, str]) -> list[Co
         family = "" if group.scenario == OWN_SCENE else group.scenario
         rest = name.removeprefix(family).removeprefix("-") if family else name
         is_first = bool(family) and not any(column.family == family for column in columns[-1:])
-        columns.append(Column(name, family, rest, is_first, str(group.expectation)))
+        columns.append(Column(name, family, rest if rest or is_first else "unvaried", is_first, str(group.expectation)))
     return columns
 
 

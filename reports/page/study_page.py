@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import jinja2
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from reports.figures.colours import inks
 from reports.figures.pairs import pairs_figure
@@ -21,25 +21,27 @@ from reports.figures.style import for_page, save
 from reports.figures.survival import has_survival, survival_figure
 from reports.page.gallery import shelves
 from reports.page.heat_map import heat_maps
+from reports.page.problems import problems
 from reports.page.scene_names import scene_names, title_of
+from reports.page.set_ups import first_place, set_up_description
 from reports.page.summary import verdicts
 from reports.page.traces import traces
 from reports.records.atomic import write_atomic
 from reports.records.folder import ResultsFolder
-from reports.records.trial import Status, TrialRecord
+from reports.records.trial import TrialRecord
 from reports.statistics.groups import Group, grouped, groups_of, ordered_policies
 from reports.statistics.pairs import PairRow, pair_rows
 from reports.statistics.ranking import rank
 from reports.statistics.scores import EngineScores, engine_scores
 from reports.statistics.thresholds import of_fixed_scenes
 from reports.tables.capabilities import capability_table
-from reports.tables.comparison import COLUMNS, ComparisonRow, Entry, comparison_rows, comparison_table
+from reports.tables.comparison import COLUMNS, Column, ComparisonRow, Entry, comparison_rows, comparison_table
 from reports.tables.latex import pairs_to_latex, to_latex
 from reports.tables.pairs import pair_tables, pairs_csv
 from reports.tables.policies import POLICY_SENTENCES
 from reports.tables.table import NOTHING, to_markdown, write_table_csv
 from reports.tables.verdict import ranking_table, sentence
-from reports.tables.wording import percent, some
+from reports.tables.wording import percent
 
 _TEMPLATES = Path(__file__).parent / "templates"
 _REM = 16.0
@@ -49,6 +51,8 @@ _MOST_MESSAGES = 3
 _ROWS_SHOWN = 200
 """Number of rows of the comparison that the page shows at first, because more rows take seconds to lay out."""
 _SCRIPTS = ("theme.js", "comparison.js", "heat_map.js", "traces.js")
+_QUESTION = "Do the bricks stand when they should, and fall when they should?"
+"""First sentence of the page of a study without a description."""
 _MARKS = {"right": "✓", "wrong": "✗", "mixed": "~"}
 
 
@@ -74,31 +78,36 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
     thinned, without_frames = traces(folder, groups)
     study = kept.study.get("name")
     rows, of_pairs, study_caption = comparison_rows(groups), pair_rows(groups), caption(folder, records)
-    policies = ordered_policies(group.key.policy for group in groups)
+    policies, shown = ordered_policies(group.key.policy for group in groups), _columns(rows)
     page = (
         _environment()
         .get_template("page.html.j2")
         .render(
             title=title_of(records, study or folder.resolve().name),
+            description=kept.study.get("description") or _QUESTION,
             caption=study_caption,
             css=_part("page.css"),
             scripts=[_part(name) for name in _SCRIPTS],
             verdict=sentence(judged, len(missing)),
+            first=first_place(judged, engines),
             ranking=ranking_table(judged, records),
             maps=heat_maps(groups_of(fixed), judged, names),
             names=names,
             policies={name: POLICY_SENTENCES.get(name, "A policy of your own.") for name in policies},
             row_data=_row_data(groups, names, _study_file(folder) if study is not None else None),
-            shown=_ROWS_SHOWN,
+            rows_shown=_ROWS_SHOWN,
             inks=inks(policies),
             numbers={policy: number for number, policy in enumerate(policies)},
-            problems=_problems(records, missing, without_frames),
+            problems=problems(records, missing, without_frames),
             verdicts=sentences,
             share_note=_share_note(groups, bool(of_pairs)),
-            set_ups={(one.engine, one.profile): _set_up(engines, one.engine, one.profile) for one in sentences},
+            set_ups={
+                (one.engine, one.profile): set_up_description(engines, one.engine, one.profile) for one in sentences
+            },
             pairs=_pairs(of_pairs, figures, policies),
             rows=rows,
-            columns=COLUMNS,
+            columns=shown,
+            left_out=[column for number, column in enumerate(COLUMNS) if number not in shown],
             marks=_MARKS,
             choices=_choices(groups, names),
             set_up_names=list(dict.fromkeys(" ".join(group.key[1:]) for group in groups)),
@@ -110,11 +119,21 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
             capabilities=capability_table(engines) if engines else None,
             again=shlex.join(["uv", "run", "-m", "bench", "run", _study_file(folder)]) if study is not None else None,
             environment=_machine(folder),
+            settings=kept.environment.get("settings", {}),
         )
     )
     write_atomic(report / "index.html", page.encode())
     _write_tables(report, rows, of_pairs, study_caption, study or folder.resolve().name)
     return report / "index.html"
+
+
+def _columns(rows: Sequence[ComparisonRow]) -> dict[int, Column]:
+    """Return the columns of the comparison that have an entry in a row, by number; the first three always have."""
+    return {
+        number: column
+        for number, column in enumerate(COLUMNS)
+        if number < 3 or any(row.entries[number].text != NOTHING for row in rows)
+    }
 
 
 def _write_tables(
@@ -149,6 +168,7 @@ def _environment() -> jinja2.Environment:
     environment.filters["messages"] = _messages
     environment.filters["seeds"] = lambda row: _seeds(row.group)
     environment.filters["sort_key"] = _sort_key
+    environment.filters["with_code"] = _with_code
     return environment
 
 
@@ -187,6 +207,11 @@ def _sort_key(entry: Entry) -> str:
     return Markup(f' data-sort="{entry.sort:.6g}"')
 
 
+def _with_code(text: str) -> Markup:
+    """Return a text as HTML, with its parts between backticks as code."""
+    return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(text))))
+
+
 def _messages(row: ComparisonRow) -> list[str]:
     """Return the distinct messages of the trials of a row, at most ``_MOST_MESSAGES``, and the number of the rest."""
     found = list(dict.fromkeys(trial.message for trial in row.group.draws if trial.message))
@@ -204,16 +229,6 @@ def _choices(groups: Sequence[Group], names: Mapping[str, str]) -> dict[str, lis
     return {**choices, "outcome": ["right", "wrong", "mixed", "open"]}
 
 
-def _set_up(engines: Mapping[str, Any], engine: str, profile: str) -> str:
-    """Return the description of a profile in the environment, followed by the variation of the profile, if any.
-
-    The text is empty if the environment does not describe the profile.
-    """
-    name, _, varied = profile.partition("@")
-    described: str = engines.get(engine, {}).get("profiles", {}).get(name, {}).get("description", "")
-    return f"{described}; {varied}" if described and varied else described
-
-
 def _share_note(groups: Sequence[Group], in_pairs: bool) -> str:
     seeds = max(len(group.draws) for group in groups)
     what = "pairs of stacks of which one must stand and one must fall" if in_pairs else "stacks"
@@ -224,35 +239,6 @@ def _share_note(groups: Sequence[Group], in_pairs: bool) -> str:
         f"{'pairs' if in_pairs else 'scenes'} and their seeds (up to {seeds}). A share of 0 or 100 % has an interval "
         "of no width, because the bootstrap cannot estimate an event that never happened."
     )
-
-
-def _problems(records: Sequence[TrialRecord], missing: Sequence[str], without_frames: Sequence[str]) -> list[str]:
-    """Return the caveats that the page shows first: failed, censored, missing and mixed trials."""
-    words: dict[Status, str] = {
-        "timeout": "were stopped by the time limit: their levels are lower bounds, neither right nor wrong",
-        "diverged": "diverged",
-        "crashed": "crashed the engine's process",
-        "error": "ended in an error",
-        "out_of_memory": "ran out of memory",
-        "unsupported": "were not possible on their engine",
-    }
-    ends = [record.status for record in records]
-    found = [f"{ends.count(s)} of {len(ends)} trials {text}." for s, text in words.items() if s in ends]
-    earlier = [one for one in records if one.mean_motion_m_s is not None and one.creep_m_s is None]
-    if earlier:
-        found.append(f"{len(earlier)} trials are from before format 3: their verdicts do not consider creep.")
-    if missing:
-        found.append(f"{len(missing)} planned trials have no record (not yet run, or interrupted): {some(missing)}.")
-    if len(without_frames) == len(records) > 1:
-        found.append("No trial has its frames here (published folders keep none): the page shows no traces of them.")
-    elif without_frames:
-        found.append(f"Frames of {len(without_frames)} trials are missing or incomplete: {some(without_frames)}.")
-    hosts = {record.host for record in records if record.host is not None}
-    if len(hosts) > 1:
-        found.append(f"Trials ran on {len(hosts)} machines: a row that mixes them shows no times.")
-    if len({record.environment for record in records}) > 1:
-        found.append("Trials come from several environments (commits, versions or machines): compare with care.")
-    return found
 
 
 def _pairs(rows: Sequence[PairRow], folder: Path, policies: Sequence[str]) -> dict[str, Any] | None:
@@ -292,7 +278,6 @@ def _machine(folder: Path) -> dict[str, str]:
     """Return the environment as texts by name, without the parts that other sections of the page show."""
     kept = ResultsFolder(folder).environment
     plain = {key: value for key, value in kept.items() if key not in ("engines", "sessions", "settings")}
-    plain |= {f"core setting {key}": value for key, value in kept.get("settings", {}).items()}
     return {key: _flat(value) for key, value in plain.items()}
 
 

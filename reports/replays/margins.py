@@ -45,6 +45,10 @@ LOAD_CLASSES, TILT_CLASSES = (1.0, 3.0, 10.0, 30.0), (2.0, 5.0, 10.0, 20.0)
 [deg]."""
 
 
+class _OverlapError(ExportError):
+    """Bricks overlap so far that their contacts are unknown."""
+
+
 @dataclass(frozen=True, slots=True)
 class Margins:
     """The margins of the n bricks of a recording at t instants.
@@ -57,7 +61,8 @@ class Margins:
     times: list[float]
     """Simulated times of the instants [s], ascending, t entries."""
     load_n: FloatArray
-    """Greatest additional load [N], shape (t, n); NaN for bricks that are not in the world or that the host moves."""
+    """Greatest additional load [N], shape (t, n); NaN for bricks that are not in the world or that the host moves,
+    and for all bricks where some overlap so far that their contacts are unknown."""
     tilt_deg: FloatArray
     """Greatest tilt of gravity [deg], shape (t, n); NaN where ``load_n`` is NaN."""
     weight_n: FloatArray
@@ -84,32 +89,58 @@ def legend(quantity: Quantity) -> tuple[str, list[str]]:
 
 
 def margins_of(recording: Recording, times: Sequence[float] | None = None) -> Margins:
-    """Return the margins of a recording.
+    """Return the margins of a recording; see ``margins_beside``."""
+    return margins_beside([recording], times)[0]
+
+
+def margins_beside(recordings: Sequence[Recording], times: Sequence[float] | None = None) -> list[Margins]:
+    """Return the margins of recordings that are shown side by side, in their order.
 
     Args:
-        recording: a recording with masses, friction and gravity.
-        times: instants [s]; None for ``settled_times``.
+        recordings: recordings with masses, friction and gravity.
+        times: instants [s]; None for ``settled_times`` of each.
 
     Raises:
-        ExportError: if the recording has no masses, or bricks overlap so far that their contacts are unknown.
+        ExportError: if a recording has no masses, or if in all recordings and at all instants bricks overlap so far
+            that their contacts are unknown.
     """
+    found, overlaps = [], []
+    for recording in recordings:
+        margins, overlap = _margins(recording, times)
+        found.append(margins)
+        overlaps.append(overlap)
+    if all(overlaps):
+        raise ExportError(overlaps[-1])
+    return found
+
+
+def _margins(recording: Recording, times: Sequence[float] | None) -> tuple[Margins, str]:
+    """Return the margins of a recording, and the reason if no instant has margins."""
     if recording.physics is None:
         raise ExportError(
             "margins need a recording with masses, got one of an earlier version: run the trial again to see margins"
         )
     timeline = Timeline(recording)
     instants = list(settled_times(recording) if times is None else times)
-    rows = [_at(timeline, time) for time in instants]
+    nothing = np.full(len(timeline.bodies), np.nan)
+    rows, overlaps = [], []
+    for time in instants:
+        try:
+            rows.append(_at(timeline, time))
+        except _OverlapError as error:
+            rows.append((nothing, nothing))
+            overlaps.append(str(error))
     shape = len(instants), len(timeline.bodies)
     strength = float(np.linalg.norm(recording.physics.gravity[0][1]))
     masses = [recording.physics.masses.get(body, np.nan) for body in timeline.bodies.tolist()]
-    return Margins(
+    margins = Margins(
         timeline.bodies,
         instants,
         np.array([load for load, _ in rows]).reshape(shape),
         np.array([tilt for _, tilt in rows]).reshape(shape),
         strength * np.array(masses),
     )
+    return margins, overlaps[-1] if 0 < len(overlaps) == len(instants) else ""
 
 
 def settled_times(recording: Recording) -> list[float]:
@@ -134,7 +165,8 @@ def _at(timeline: Timeline, time: float) -> tuple[FloatArray, FloatArray]:
         x, y, z = poses.position[place].tolist()
         w, i, j, k = poses.quaternion[place].tolist()
         length, width, height = timeline.sizes[place].tolist()
-        brick = Brick((length, width, height), mass or 1.0, (x, y, z), (w, i, j, k))
+        shape = timeline.recording.shape(int(timeline.bodies[place]))
+        brick = Brick((length, width, height), mass or 1.0, (x, y, z), (w, i, j, k), shape=shape)
         if mass is None:
             driven.append(brick)
         else:
@@ -162,7 +194,7 @@ def _touching(bricks: Sequence[Brick], walls: Sequence[Brick], time: float) -> l
             return contact_patches(bricks, walls, tolerance=tolerance)
         except ValueError as error:
             if tolerance.touch >= _MOST_TOUCH:
-                raise ExportError(
+                raise _OverlapError(
                     f"margins need bricks that do not overlap, got bricks that have sunk into each other "
                     f"at {time:.2f} s ({error}): choose another time"
                 ) from error

@@ -17,7 +17,7 @@ from reports.replays.camera import CAMERAS, Camera
 from reports.replays.drawing import COLOURS, FIXED_COLOUR, view_of, visible_space
 from reports.replays.encoding import encoded
 from reports.replays.errors import ExportError
-from reports.replays.margins import MARGIN_COLOURS, Margins, Quantity, legend, margins_of
+from reports.replays.margins import MARGIN_COLOURS, Margins, Quantity, legend, margins_beside
 from reports.replays.renderer import ByteArray, drawn_frames
 from reports.replays.replay import Replayed
 from reports.replays.sheet import Key, Sheet
@@ -153,6 +153,7 @@ def _frames(
         f"{first.scene} on {first.engine}, {first.profile}, seed {first.seed}",
         _key(trials, film.colour),
     )
+    margins = None if film.colour == "state" else margins_beside([trial.recording for trial in trials], instants)
     views = [
         view_of(
             Timeline(trial.recording),
@@ -160,9 +161,9 @@ def _frames(
             space,
             sheet.panel,
             film.camera,
-            None if film.colour == "state" else margin_colours(margins_of(trial.recording, instants), film.colour),
+            margin_colours(margins[number], film.colour) if margins and film.colour != "state" else None,
         )
-        for trial in trials
+        for number, trial in enumerate(trials)
     ]
     with drawn_frames(views) as drawn:
         for time, panels in zip(times, drawn, strict=True):

@@ -11,7 +11,7 @@ from pathlib import Path
 from reports.records.folder import ResultsFolder, replay_name, still_of
 from reports.records.recording import RecordingError
 from reports.records.trial import TrialRecord
-from reports.replays.margins import margins_of
+from reports.replays.margins import margins_beside
 from reports.replays.replay import Replayed, write_replay
 from reports.replays.stills import StillsError, write_stills
 from reports.statistics.groups import ordered_policies
@@ -62,7 +62,7 @@ def write_stack_replay(folder: Path, trials: Sequence[Replayed], *, with_margins
     """
     policies = ordered_policies(trial.record.policy for trial in trials)
     trials = sorted(trials, key=lambda trial: policies.index(trial.record.policy))
-    margins = [margins_of(trial.recording) for trial in trials] if with_margins else None
+    margins = margins_beside([trial.recording for trial in trials]) if with_margins else None
     return write_replay(folder / "report" / "replays", replay_name(trials[0].record), trials, margins)
 
 

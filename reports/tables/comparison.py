@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from reports.statistics.groups import ALONE, Group, GroupKey, compare_groups
 from reports.statistics.intervals import LEAST_RATIOS, deviation, paired_ratio
+from reports.statistics.known_faults import KnownFault, faults_of
 from reports.statistics.survival import PairedTest, holm
 from reports.tables.outcomes import ADOPTED_NOTE, adopted_mark, outcome
 from reports.tables.table import NOTHING, Table
@@ -43,8 +44,8 @@ COLUMNS = (
     ),
     Column(
         "against none",
-        "pairs of a seed with the engine alone: higher levels / lower levels; p of no difference, by Holm's method "
-        "for all comparisons of this column",
+        "pairs of a seed, two or more, with the engine alone: higher levels / lower levels; p of no difference, by "
+        "Holm's method for all comparisons of this column",
     ),
 )
 
@@ -74,6 +75,8 @@ class ComparisonRow:
     """Further note for the reader; may be empty."""
     thread: Thread | None = None
     """Public discussion (thread) from which the scene comes; None for other scenes."""
+    faults: tuple[KnownFault, ...] = ()
+    """Known faults of the engine that the row shows."""
 
 
 def comparison_rows(groups: Sequence[Group]) -> list[ComparisonRow]:
@@ -91,14 +94,18 @@ def comparison_table(rows: Sequence[ComparisonRow], caption: str) -> Table:
         *(f"{column.title}: {column.explanation}." for column in COLUMNS),
         *dict.fromkeys(row.note for row in rows if row.note),
     )
-    has_threads = any(row.thread for row in rows)
-    header = (*GroupKey._fields, *titles, "ended otherwise", *(["thread"] if has_threads else []))
-    return Table("Comparison", header, tuple(_cells(row, has_threads) for row in rows), notes, id="comparison")
+    flags = {
+        "thread": [row.thread.name if row.thread else "" for row in rows],
+        "known fault": [", ".join(fault.thread for fault in row.faults) for row in rows],
+    }
+    shown = {title: names for title, names in flags.items() if any(names)}
+    cells = [(*_cells(row), *(names[number] or NOTHING for names in shown.values())) for number, row in enumerate(rows)]
+    header = (*GroupKey._fields, *titles, "ended otherwise", *shown)
+    return Table("Comparison", header, tuple(cells), notes, id="comparison")
 
 
-def _cells(row: ComparisonRow, has_threads: bool) -> tuple[str, ...]:
-    thread = [row.thread.name if row.thread else NOTHING] if has_threads else []
-    return (*row.group.key, *(entry.text for entry in row.entries), row.trouble or NOTHING, *thread)
+def _cells(row: ComparisonRow) -> tuple[str, ...]:
+    return (*row.group.key, *(entry.text for entry in row.entries), row.trouble or NOTHING)
 
 
 def _tests(compared: Sequence[tuple[Group, Group]]) -> dict[GroupKey, tuple[PairedTest, float]]:
@@ -130,7 +137,8 @@ def _row(group: Group, test: tuple[PairedTest, float] | None) -> ComparisonRow:
     )
     judgement = "open" if not judged else "right" if right == judged else "mixed" if right else "wrong"
     note = ADOPTED_NOTE if adopted_mark(group.draws) else ""
-    return ComparisonRow(group, judgement, entries, troubles(group), note, thread_of(group.trials[0].parameters))
+    thread = thread_of(group.trials[0].parameters)
+    return ComparisonRow(group, judgement, entries, troubles(group), note, thread, faults_of(group))
 
 
 def _levels(group: Group) -> Entry:

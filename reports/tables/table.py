@@ -60,7 +60,7 @@ def first_rows(table: Table, most: int) -> Table:
     more = len(table.rows) - most
     if more <= 0:
         return table
-    note = f"{more} more rows: report/tables/{table.id}.csv."
+    note = f"{more} more row{'s' * (more > 1)}: report/tables/{table.id}.csv."
     return replace(table, rows=table.rows[:most], notes=(note, *table.notes))
 
 

@@ -5,10 +5,10 @@
   const more = document.getElementById("more"), LINK = "#rows:";
   const { command, scenes, seeds } = JSON.parse(document.getElementById("row-data").textContent);
   const heads = [...table.tHead.rows[0].cells];
-  const COLUMNS = { engine: 2, profile: 3, policy: 4 };
+  const COLUMNS = { scene: 0, engine: 2, profile: 3, policy: 4 };
   const AT_FIRST = rows.filter(row => !row.hidden).length;
-  const sceneOf = row => row.cells[0].firstChild.textContent.trim(); // without the flag of a public thread
-  const valueOf = (row, name) => name === "outcome" ? row.className : name === "scene" ? sceneOf(row) : row.cells[COLUMNS[name]].textContent;
+  const textIn = cell => [...cell.childNodes].filter(node => node.className !== "flag").map(node => node.textContent).join("").replace(/\s+/g, " ").trim(); // without flags of public threads
+  const valueOf = (row, name) => name === "outcome" ? row.className : textIn(row.cells[COLUMNS[name]]);
   const words = new Map();
   const wordsOf = row => {
     if (!words.has(row)) words.set(row, row.textContent.toLowerCase());
@@ -59,7 +59,7 @@
     head.setAttribute("aria-sort", down ? "descending" : "ascending");
     const value = row => {
       const cell = row.cells[column];
-      return heads[column].classList.contains("figure") ? numberOf(cell) : cell.textContent;
+      return heads[column].classList.contains("figure") ? numberOf(cell) : textIn(cell);
     };
     const order = (a, b) => {
       if (typeof a === "string") return a.localeCompare(b, "en", { numeric: true }) * (down ? -1 : 1);
@@ -107,7 +107,7 @@
       line: cells => `${cells.map(cell => cell.replace(/[&%$#_{}]/g, "\\$&").replaceAll("≥", "$\\geq$").replaceAll("µ", "$\\mu$").replaceAll("±", "$\\pm$").replaceAll("×", "$\\times$").replaceAll("✓", "$\\surd$").replaceAll("✗", "$\\times$").replaceAll("†", "$\\dagger$").replaceAll("~", "$\\sim$")).join(" & ")} \\\\`,
     },
   };
-  const cellsOf = row => [row.cells[0].firstChild, ...[...row.cells].slice(1, -1)].map(cell => cell.textContent.replace(/\s+/g, " ").trim());
+  const cellsOf = row => [...row.cells].slice(0, -1).map(textIn);
   const textOf = format => {
     const { before, line, after, end } = FORMATS[format], head = cellsOf(table.tHead.rows[0]);
     return [before?.(head.length), line(head), after?.(head.length), ...selection.map(row => line(cellsOf(row))), end].filter(Boolean).join("\n") + "\n";

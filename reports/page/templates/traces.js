@@ -12,7 +12,7 @@
     if (values.includes(before)) select.value = before;
   };
   const milliseconds = quantised => 10 ** (quantised / 100) / 1e3;
-  const W = 960, H = 340, LEFT = 62, RIGHT = 14, TOP = 12, BOTTOM = 46;
+  const W = 960, H = 340, LEFT = 72, RIGHT = 14, TOP = 12, BOTTOM = 46;
   const element = (name, attributes, text) => {
     const made = document.createElementNS("http://www.w3.org/2000/svg", name);
     for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);

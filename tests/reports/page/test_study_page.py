@@ -42,6 +42,10 @@ def shown(page) -> list[str]:
     return [row.inner_text() for row in page.locator("#table tbody tr:visible").all()]
 
 
+def heads(page) -> list[str]:
+    return [head.split()[0] for head in page.locator("#table thead th").all_inner_texts()]
+
+
 def test_it_opens_without_a_complaint_or_a_request_and_shows_every_engine(page, open_page) -> None:
     opened = open_page(page)
     cards = opened.locator(".card h4").all_inner_texts()
@@ -55,6 +59,7 @@ def test_a_card_shows_how_its_profile_is_set_up(tmp_path) -> None:
     varied = page_of(tmp_path, [record(), record(engine="dart", profile="game@scale=10"), record(profile="tuned")])
     output = re.findall(r'<p class="set-up">(.*?)</p>', varied.read_text(encoding="utf-8"))
     assert output == ["one step a frame", "one step a frame; scale=10"], "nothing is known of tuned"
+    assert "(<code>bench check</code>)" in varied.read_text(encoding="utf-8"), "backticks of a note mark code"
 
 
 def test_pairs_are_the_headline_where_there_are_any(tmp_path, open_page) -> None:
@@ -94,7 +99,7 @@ def test_headings_sort_up_then_down_and_what_does_not_exist_stays_last(page, ope
     heading = opened.get_by_role("button", name=re.compile("^p50"))
 
     def times() -> list[str]:
-        return [row.split("\t")[10] for row in shown(opened)]
+        return [row.split("\t")[heads(opened).index("p50")] for row in shown(opened)]
 
     heading.focus()
     opened.keyboard.press("Enter")
@@ -143,6 +148,15 @@ def test_the_verdict_is_the_first_words_and_the_ranking_next(page) -> None:
     sections = re.findall(r'<section id="(\w+)"', output)
     assert sections[:5] == ["verdict", "ranking", "map", "policies", "verdicts"]
     assert output.index("No set-up is right in both scenes (7 builds)") < output.index("Read this first")
+
+
+def test_the_verdict_leads_to_the_settings_that_it_names(tmp_path, open_page) -> None:
+    opened = open_page(page_of(tmp_path, [record()]))
+    assert "game: one step a frame (each setting of bullet, with its reason)" in opened.locator("#verdict").inner_text()
+    settings = opened.locator("#set-bullet-game")
+    assert not settings.is_visible(), "it is folded"
+    opened.locator("#verdict a").click()
+    settings.wait_for()
 
 
 def questions() -> list[list[str]]:
@@ -215,7 +229,28 @@ def test_many_scenes_have_a_map_by_family_first(tmp_path, open_page) -> None:
     maps = opened.locator(".heat table")
     assert [one.get_attribute("data-by") for one in maps.all()] == ["text", "scene"]
     assert maps.first.locator("tbody td b").all_inner_texts() == ["3 false stands of 29", "correct", "correct"]
+    assert maps.first.locator("tfoot").inner_text().split("\t") == ["set-ups right, of 1", "", "0", "1", "1"]
     assert not maps.last.is_visible()
+
+
+def test_a_column_of_the_heat_map_has_a_name_also_where_its_scene_is_the_family_itself(tmp_path, open_page) -> None:
+    scenes = ["four_stack-levels5", "four_stack", "leaning_tower"]
+    opened = open_page(page_of(tmp_path, [record(scene=scene, scenario=scene.split("-")[0]) for scene in scenes]))
+    names = [" ".join(head.split()) for head in opened.locator(".heat .scene").all_inner_texts()]
+    assert [name.removesuffix(" stands") for name in names] == [
+        "four_stack levels5",
+        "four_stack unvaried",
+        "leaning_tower",
+    ]
+
+
+def test_a_column_without_an_entry_is_left_out(tmp_path, open_page) -> None:
+    always = ["scene", "theory", "engine", "profile", "policy", "seeds", "levels", "right"]
+    assert heads(open_page(page_of(tmp_path / "rested", [record()]))) == [*always, "p50", "p99", "again"]
+    opened = open_page(page_of(tmp_path / "crept", [record(creep_m_s=1e-6)]))
+    assert "creep" in heads(opened)
+    note = opened.locator("#matrix > .note").last.inner_text()
+    assert re.search(r"left out: sink \(.+ratio \(.+against none \(pairs of a seed, two or more", note)
 
 
 def test_own_scenes_have_the_names_of_their_files(tmp_path) -> None:
@@ -248,6 +283,31 @@ def test_a_row_of_a_public_thread_names_it(tmp_path, open_page) -> None:
     table = (tmp_path / "study" / "report" / "comparison.csv").read_text(encoding="utf-8")
     header, *rows = csv.reader(table.splitlines())
     assert [row[header.index("thread")] for row in rows] == [thread.name, "-"]
+
+
+def test_a_row_that_shows_a_known_fault_of_its_engine_names_the_thread(tmp_path, open_page) -> None:
+    """The flag is a link below the engine's name, which filters, commands and copies use without it."""
+    records = [record(engine="mujoco", verdict="creeps"), record(engine="mujoco", policy="paper"), record()]
+    opened = open_page(page_of(tmp_path, records))
+    flags = opened.locator("#table .flag")
+    assert flags.all_inner_texts() == ["mujoco#3328"]
+    assert flags.get_attribute("href") == "https://github.com/google-deepmind/mujoco/issues/3328"
+    opened.select_option("#filters [name=engine]", "mujoco")
+    assert len(shown(opened)) == 2
+    opened.select_option("#filters [name=base]", "mujoco game paper")
+    assert shown(opened)[0].count(TIMES) == 2, "the row with the flag has a ratio of each time"
+    opened.locator("#table summary").first.click()
+    opened.locator("#table details[open] .command").wait_for()
+    details = opened.locator("#table details[open]").inner_text()
+    assert "Known fault of mujoco, google-deepmind/mujoco#3328: regularised friction never sticks" in details
+    assert "--engine mujoco --profile game" in details
+    opened.evaluate("navigator.clipboard.writeText = async text => { window.copied = text; }")
+    opened.locator("#copy").get_by_role("button", name="CSV").click()
+    opened.wait_for_function("window.copied")
+    assert opened.evaluate("window.copied").splitlines()[1].startswith("four_stack,stands,mujoco,game,none,")
+    table = (tmp_path / "study" / "report" / "comparison.csv").read_text(encoding="utf-8")
+    header, *rows = csv.reader(table.splitlines())
+    assert [row[header.index("known fault")] for row in rows] == ["google-deepmind/mujoco#3328", "-", "-"]
 
 
 def test_words_of_an_engine_are_no_part_of_the_page(page) -> None:
@@ -292,7 +352,8 @@ def test_frame_times_are_compared_with_a_set_up_that_the_reader_chooses(page, op
     opened = open_page(page)
     opened.select_option("#filters [name=base]", "mujoco tuned paper")
     [alone] = [row for row in shown(opened) if "four_stack" in row and "bullet\tgame\tnone" in row]
-    assert alone.split("\t")[10].endswith(f" {TIMES}7.2"), "9.0 ms over the median of 1.0 to 1.5 ms"
+    time = alone.split("\t")[heads(opened).index("p50")]
+    assert time.endswith(f" {TIMES}7.2"), "9.0 ms over the median of 1.0 to 1.5 ms"
     opened.select_option("#filters [name=base]", "")
     assert TIMES not in "".join(shown(opened))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -15,12 +16,14 @@ from reports.replays.margins import (
     MARGIN_COLOURS,
     Margins,
     legend,
+    margins_beside,
     margins_of,
     settled_times,
     write_margins,
 )
 from scenarios.model import Brick, World
 from scenarios.planks import GRAVITY, LENGTH, MASS, MU, lay
+from scenarios.solids import cylinder
 
 OFFSET = LENGTH / 8.5
 NOISE_M = 1e-4
@@ -54,6 +57,14 @@ def test_margins_of_recorded_poses_are_those_of_the_plan() -> None:
     assert margins.weight_n == pytest.approx(MASS * GRAVITY)
 
 
+def test_a_log_on_the_ground_rolls_at_any_tilt() -> None:
+    """Its contact is a line below its axis; the box around it would stand up to 45 deg, or slide at atan(mu)."""
+    log = cylinder(0.1, 0.4, position=(0, 0, 0.1), quaternion=(math.sqrt(0.5), 0, math.sqrt(0.5), 0), density=800)
+    recorder = Recorder(1 / 60, World(friction=MU))
+    recorder.see(np.arange(1), np.array([log.position]), np.array([log.quaternion]), (), {0: log})
+    assert margins_of(recorder.finish()).tilt_deg[-1, 0] < 1.0, "1.1 deg is the angle of contact of recorded poses"
+
+
 def test_what_the_host_moves_carries_and_has_no_margin() -> None:
     margins = margins_of(tower(3, moved=True))
     assert np.isnan(margins.tilt_deg[-1, 0])
@@ -79,6 +90,16 @@ def test_margins_are_written_as_numbers(tmp_path) -> None:
     assert [(row["brick"], row["load_margin_n"]) for row in rows] == [("0", "inf"), ("0", "inf"), ("1", "inf")]
 
 
+def test_an_instant_of_sunk_bricks_has_no_margins_and_leaves_the_others() -> None:
+    planks, recorder = [lay(0.0, level=1), lay(0.0, level=2)], Recorder(1 / 60, World(friction=MU))
+    for sunk in (0.0, 0.5):
+        position = np.array([plank.position for plank in planks]) - [[0, 0, 0], [0, 0, sunk * planks[0].size[2]]]
+        recorder.see(np.arange(2), position, np.tile([1.0, 0, 0, 0], (2, 1)), (), dict(enumerate(planks)))
+    tilts = margins_of(recorder.finish(), [0.0, 1 / 60]).tilt_deg
+    assert (tilts[0] > 5).all()
+    assert np.isnan(tilts[1]).all()
+
+
 def test_a_recording_without_masses_and_one_of_sunk_bricks_are_refused_with_the_fix() -> None:
     with pytest.raises(ExportError, match="run the trial again to see margins"):
         margins_of(replace(tower(2), physics=None))
@@ -91,5 +112,11 @@ def test_a_recording_without_masses_and_one_of_sunk_bricks_are_refused_with_the_
         (),
         {0: plank, 1: plank},
     )
+    recording = sunk.finish()
     with pytest.raises(ExportError, match="sunk into each other"):
-        margins_of(sunk.finish())
+        margins_of(recording)
+    with pytest.raises(ExportError, match="sunk into each other"):
+        margins_beside([recording, recording])
+    fallen, standing = margins_beside([recording, tower(1)])
+    assert np.isnan(fallen.tilt_deg).all()
+    assert (standing.tilt_deg > 5).all()
