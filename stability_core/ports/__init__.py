@@ -19,7 +19,7 @@ from stability_core.settings import Settings
 
 __all__ = ["Attachment", "attach", "warm_up"]
 
-ENGINES = {"pybullet": "pybullet", "mujoco": "mujoco", "sapien": "sapien"}
+ENGINES = {"pybullet": "pybullet", "mujoco": "mujoco", "sapien": "sapien", "rapier": "rapier3d"}
 """Python package of each engine, by the name of its port and of the wheel's extra."""
 _PORT_OF = {package: name for name, package in ENGINES.items()} | {"pybullet_utils": "pybullet"}
 """Name of the port, by the package in which the class of a world is defined."""
@@ -38,7 +38,7 @@ def attach(
 
     Args:
         world: PyBullet's client id (an integer) or client object; MuJoCo's ``MjData``; SAPIEN's ``Scene`` or its
-            ``physx_system``.
+            ``physx_system``; Rapier's ``PhysicsWorld``.
         bodies: the engine's ids of the bodies to control; None for all bodies that can freeze, now and later.
         policy: a name of ``POLICIES``, or a policy of your own.
         settings: the tolerances.
@@ -80,7 +80,7 @@ def _engine_of(world: object) -> str:
         return _PORT_OF[package]
     raise TypeError(
         f"attach() cannot use {type(world).__qualname__} from {package}: pass PyBullet's client id, MuJoCo's MjData, "
-        "or SAPIEN's Scene; for another engine write a port, see the tutorial"
+        "SAPIEN's Scene or Rapier's PhysicsWorld; for another engine write a port, see the tutorial"
     )
 
 

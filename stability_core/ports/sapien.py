@@ -10,7 +10,7 @@ planes. The port changes no setting of the scene or of a live body.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Set
 from typing import Any
 
 import numpy as np
@@ -102,6 +102,11 @@ class SapienWorld(FreeBodyWorld):
             self._note_parents(part)
         return True
 
+    def can_read(self, bodies: Collection[int]) -> bool:
+        """Return True if the bodies are static and in the scene: rows of other bodies change with any body."""
+        parts = [self._components[body] for body in bodies]
+        return all(isinstance(part, physx.PhysxRigidStaticComponent) and part.entity is not None for part in parts)
+
     def bodies(self) -> list[int]:
         """Return the ids of the bodies of the world at the latest ``has_changed``."""
         return [*self._components]
@@ -170,11 +175,11 @@ class SapienWorld(FreeBodyWorld):
         """Make a frozen body live, at rest."""
         unfreeze(self._components[body])
 
-    def step_contacts(self, concerns: Concerns, live: Sequence[int]) -> Touching:  # noqa: ARG002
+    def step_contacts(self, concerns: Concerns, bodies: Set[int]) -> Touching:  # noqa: ARG002
         """Return the contacts of the latest step that ``concerns`` names."""
         return _touching(listed_pairs(self.system.get_contacts(), self._ids.get, concerns), self.system.timestep)
 
-    def present_contacts(self, concerns: Concerns, live: Sequence[int]) -> Touching:  # noqa: ARG002
+    def present_contacts(self, concerns: Concerns, bodies: Set[int]) -> Touching:  # noqa: ARG002
         """Return the contacts of the present poses that ``concerns`` names, without a change of the world."""
         with present_contacts(self._components) as (contacts, ids):
             return _touching(listed_pairs(contacts, ids.get, concerns), INSTANT_S)

@@ -12,9 +12,11 @@ from stability_core.ports.shared.free_body_world import FreeBodyWorld
 from stability_core.ports.shared.shapes import ShapeTable
 
 LOOK_S = 0.1
-"""Time [s] between two looks at the places of frozen bodies. The port lists the bodies of a world with the same delay
-while all are frozen and rest on a plane, because a list of a hundred bodies costs half as much as the engine's step of
-frozen bodies."""
+"""Time [s] between two looks at the places of frozen and of static bodies. The port lists the bodies of a world with
+the same delay if the engine has a cheaper way to see that they are the same: a list of a hundred bodies costs half as
+much as the engine's step of frozen bodies."""
+AT_A_LOOK = 5
+"""Greatest number of frozen bodies whose places the port checks at a look, because some engines read body by body."""
 BESIDE = 1e-3
 """Greatest gap [m] at which a frozen body is beside a kinematic body, between the boxes around both."""
 
@@ -33,18 +35,22 @@ class FreeBodies:
         self.movers: set[int] = set()
         """Bodies that the port does not control and that move by forces, so that they collide with frozen bodies."""
         self.moved: list[int] = []
-        """Frozen bodies that the host had moved at the latest look."""
+        """Frozen bodies that the host had moved, among those that the latest look checked."""
+        self.has_looked = True
+        """True in the frames of looks."""
         self.has_new_obstacle = False
         """True if ``sides`` has noted an obstacle since the motions were read."""
+        self.kinematic: list[int] = []
+        """Bodies that the host moves."""
         self.shapes = ShapeTable()
         self._present: set[int] = set()
         self._planes: set[int] = set()
-        self._kinematic: list[int] = []
         self._kinematic_rows: FloatArray = np.empty((0, COLUMNS))
         self._removed: list[int] = []
         self._frozen_poses: dict[int, FloatArray] = {}
         self._boxes: tuple[list[int], FloatArray] | None = None
-        self._unchecked: list[int] = []
+        self._unchecked: list[int] = []  # live bodies
+        self._unseen: list[int] = []  # frozen bodies
         self._look_s = np.inf  # time since the latest look
 
     # -- bodies that come and go ----------------------------------------------------------------------
@@ -56,13 +62,15 @@ class FreeBodies:
             The live bodies that can no longer freeze, because the user has joined them to others, for example.
         """
         self._look_s += dt
-        is_due = self._look_s >= LOOK_S or dt == 0.0
+        self.has_looked = self._look_s >= LOOK_S or dt == 0.0
         self.moved = []
-        if is_due or self.live or self.movers or self.obstacles or self._kinematic:
+        if self.has_looked or not self._world.can_read([*self.live, *self.movers, *self.obstacles, *self.kinematic]):
             self.follow()
-        if is_due:
+        if self.has_looked:
             self._look_s = 0.0
             self._find_moved()
+            if not self.live:
+                self._world.rest()
         return self._check_next()
 
     def follow(self) -> None:
@@ -147,9 +155,9 @@ class FreeBodies:
 
     def beside_kinematic(self) -> Sequence[int]:
         """Return the frozen bodies beside a kinematic body that has moved since the previous call."""
-        if not self._kinematic or not self.frozen:
+        if not self.kinematic or not self.frozen:
             return ()
-        rows = self._world.motions(self._kinematic)
+        rows = self._world.motions(self.kinematic)
         moved = np.flatnonzero((rows[:, POSE] != self._kinematic_rows[:, POSE]).any(axis=1))
         self._kinematic_rows = rows
         if not len(moved):
@@ -159,15 +167,18 @@ class FreeBodies:
         bodies, boxes = self._boxes
         beside: BoolArray = np.zeros(len(bodies), np.bool_)
         for row in moved.tolist():
-            box = np.asarray(self._world.box(self._kinematic[row]))
+            box = np.asarray(self._world.box(self.kinematic[row]))
             beside |= ((boxes[:, :3] <= box[3:] + BESIDE) & (boxes[:, 3:] >= box[:3] - BESIDE)).all(axis=1)
         return [bodies[row] for row in np.flatnonzero(beside).tolist()]
 
     # -- helpers --------------------------------------------------------------------------------------
 
     def _find_moved(self) -> None:
-        """Set ``moved`` to the frozen bodies whose poses differ from those at which they froze."""
-        frozen = [*self.frozen]
+        """Set ``moved`` to the next frozen bodies, in turn, whose poses differ from those at which they froze."""
+        if not self._unseen:
+            self._unseen = [*self.frozen]
+        frozen = [body for body in self._unseen[:AT_A_LOOK] if body in self.frozen]
+        del self._unseen[:AT_A_LOOK]
         if frozen:
             kept = np.array([self._frozen_poses[body] for body in frozen])
             differs = (self._world.motions(frozen)[:, POSE] != kept).any(axis=1)
@@ -223,5 +234,5 @@ class FreeBodies:
         """Find the movers and the kinematic bodies among the bodies that the port does not control."""
         others = sorted(self._present - self.live.keys() - self.frozen.keys())
         self.movers = {body for body in others if self._world.is_mover(body)}
-        self._kinematic = [body for body in others if self._world.is_kinematic(body)]
-        self._kinematic_rows = self._world.motions(self._kinematic)
+        self.kinematic = [body for body in others if self._world.is_kinematic(body)]
+        self._kinematic_rows = self._world.motions(self.kinematic)

@@ -53,6 +53,7 @@ class FreeBodyPort:
         self._flight = FreeFlight()
         self._dt, self._calm_s = 0.0, 0.0
         self._finds = False
+        self._obstacle_ids: IntArray = np.empty(0, np.int64)
         self._obstacle_poses: FloatArray = np.empty((0, 7))
         self._ids: IntArray = np.empty(0, np.int64)
         self._rows: FloatArray = np.empty((0, COLUMNS))
@@ -72,10 +73,13 @@ class FreeBodyPort:
         Raises:
             ValueError: if the world contradicts ``dt``, or a pose is not finite.
         """
-        check_steps(dt, self._world.step_s(), self.engine, self._world.setter)
-        self._flight.check()
+        leaving = self._bodies.look(dt)
+        if self._bodies.live or self._bodies.has_looked:
+            check_steps(dt, self._world.step_s(), self.engine, self._world.setter)
+            self._world.check()
+            self._flight.check()
         self._dt = dt
-        self.remove(self._bodies.look(dt))
+        self.remove(leaving)
         return [*self._read_motions(), *self._bodies.beside_kinematic()]
 
     def add(self, bodies: Iterable[int]) -> None:
@@ -105,7 +109,7 @@ class FreeBodyPort:
         if not live and not self._bodies.movers:
             return NO_CONTACTS
         read = self._world.present_contacts if finds else self._world.step_contacts
-        found = read(self._bodies.concerns, [*live])
+        found = read(self._bodies.concerns, live.keys() | self._bodies.movers)
         a, b = self._bodies.sides(found.body_a), self._bodies.sides(found.body_b)
         self._flight.note(live, {*a.tolist(), *b.tolist()}, self._before, self._ids, self._rows, self._dt)
         if not len(a):
@@ -122,11 +126,11 @@ class FreeBodyPort:
         bodies, removed = self._bodies, self._bodies.take_removed()
         if bodies.has_new_obstacle:
             self._read_motions()
+        ids, rows = self._with_movers()
+        self._before = motions_of(ids, rows) if len(ids) else None
         if not len(self._ids):
-            self._before = None
             return replace(NO_MASSES, removed=removed) if removed else NO_MASSES
         mass = {**bodies.frozen, **bodies.live}
-        self._before = motions_of(self._ids, self._rows)
         masses = np.array([mass.get(body, np.inf) for body in self._ids.tolist()])
         return Masses(self._ids, masses, self._rows[:, CENTER], removed)
 
@@ -154,35 +158,54 @@ class FreeBodyPort:
         """
         live, obstacles, moved = self._bodies.live, self._bodies.obstacles, self._bodies.moved
         self._bodies.has_new_obstacle = False
-        if not live and not moved and self._obstacles_keep_places():
+        if not live and not moved and self._may_omit_obstacles():
             self._ids, self._rows = self._ids[:0], self._rows[:0]
             return []
         listed = sorted([*live, *obstacles, *moved])
         ids, rows = np.array(listed, np.int64), self._world.motions(listed)
         check_finite(ids, rows)
-        turned = turned_bodies(obstacles, ids, rows, self._ids, self._rows)
+        turned: list[int] = []
+        if obstacles:
+            known = np.array([body in obstacles for body in listed], np.bool_)
+            poses = rows[known, POSE]
+            if not np.array_equal(poses, self._obstacle_poses):
+                turned = turned_bodies(obstacles, ids[known], poses, self._obstacle_ids, self._obstacle_poses)
+                self._obstacle_ids, self._obstacle_poses, self._calm_s = ids[known], poses, 0.0
+            self._calm_s += self._dt
         self._ids, self._rows = ids, rows
         self._bodies.shapes.place(listed, rows[:, POSE])
         return turned
 
-    def _obstacles_keep_places(self) -> bool:
-        """Return True if no obstacle has moved for ``CALM_S``."""
-        if not self._bodies.obstacles:
+    def _may_omit_obstacles(self) -> bool:
+        """Return True if no obstacle has moved for ``CALM_S``; read static obstacles in the frames of looks only."""
+        bodies = self._bodies
+        if not bodies.obstacles:
             return True
-        poses = self._world.motions(sorted(self._bodies.obstacles))[:, POSE]
-        self._calm_s = self._calm_s + self._dt if np.array_equal(poses, self._obstacle_poses) else 0.0
-        self._obstacle_poses = poses
-        return self._calm_s > CALM_S
+        if self._calm_s <= CALM_S:
+            return False
+        if not (bodies.has_looked or bodies.kinematic or bodies.movers):
+            return True
+        poses = self._world.motions(sorted(bodies.obstacles))[:, POSE]
+        return np.array_equal(poses, self._obstacle_poses)
+
+    def _with_movers(self) -> tuple[IntArray, FloatArray]:
+        """Return the ids (n,) and motions (n, 13) of the bodies read, and of the movers, which may strike next."""
+        movers = sorted(self._bodies.movers.difference(self._ids.tolist()))
+        if not movers:
+            return self._ids, self._rows
+        ids = np.concatenate([self._ids, np.array(movers, np.int64)])
+        order = np.argsort(ids)
+        return ids[order], np.concatenate([self._rows, self._world.motions(movers)])[order]
 
     def _borne_forces(self, before: Motions) -> tuple[IntArray, FloatArray]:
         """Return the live bodies (m,) of this and the previous frame, and the sum (m, 3) [N] of their contact forces.
 
         The forces follow from the changes of the bodies' momentum.
         """
-        live = [body in self._bodies.live for body in self._ids.tolist()]
+        live = np.array([body in self._bodies.live for body in self._ids.tolist()], np.bool_)
         at, is_known = rows_of_ids(before.body, self._ids)
         rows = np.flatnonzero(live & is_known)
         bodies = self._ids[rows]
-        mass = np.array([self._bodies.live[body] for body in bodies.tolist()])[:, None]
+        mass = np.array([self._bodies.live[body] for body in bodies.tolist()], np.float64)[:, None]
         gained = self._rows[rows, VELOCITY] - before.linear[0, at[rows]]
         return bodies, mass * (gained / self._dt - np.array(self.gravity()))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence, Set
 from typing import ClassVar, NamedTuple, TypeAlias
 
 from stability_core.port import FloatArray, IntArray
@@ -51,9 +51,19 @@ class FreeBodyWorld(ABC):
     def step_s(self) -> float:
         """Return the time [s] of one step."""
 
+    def check(self) -> None:  # noqa: B027 # few engines report it
+        """Raise ``ValueError`` if the engine itself reports that the simulation has diverged."""
+
+    def rest(self) -> None:  # noqa: B027 # few engines need it
+        """Make the engine's steps skip the frozen bodies. The port calls this at times while no body is live."""
+
     @abstractmethod
     def has_changed(self) -> bool:
         """Return True if bodies have come or gone since the previous call. ``bodies`` then returns the new ones."""
+
+    def can_read(self, bodies: Collection[int]) -> bool:
+        """Return True if the motions of bodies can be read without a call of ``has_changed``, at little cost."""
+        return not bodies
 
     @abstractmethod
     def bodies(self) -> list[int]:
@@ -96,14 +106,15 @@ class FreeBodyWorld(ABC):
         """Make a frozen body live, at rest."""
 
     @abstractmethod
-    def step_contacts(self, concerns: Concerns, live: Sequence[int]) -> Touching:
+    def step_contacts(self, concerns: Concerns, bodies: Set[int]) -> Touching:
         """Return the contacts of the latest step that ``concerns`` names.
 
         Args:
             concerns: whether the port needs the contacts of two bodies.
-            live: the live bodies, for engines that list the contacts of one body.
+            bodies: the live bodies and the movers, to one of which each of these contacts belongs, for engines that
+                list the contacts of one body.
         """
 
     @abstractmethod
-    def present_contacts(self, concerns: Concerns, live: Sequence[int]) -> Touching:
+    def present_contacts(self, concerns: Concerns, bodies: Set[int]) -> Touching:
         """Return the contacts of the present poses that ``concerns`` names, without a change of the world."""

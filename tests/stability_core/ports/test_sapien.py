@@ -113,11 +113,13 @@ def test_a_platform_that_the_user_lowers_takes_its_tower_along(scene) -> None:
         assert height(body) == pytest.approx(0.5 - 119 * 5e-4 + HEIGHT, abs=2e-3)
 
 
-def test_a_platform_that_turns_in_place_wakes_its_load(scene) -> None:
+@pytest.mark.parametrize("calm_s", [0.0, 3.0])
+def test_a_platform_that_turns_in_place_wakes_its_load(scene, calm_s: float) -> None:
     platform = add(scene, (0.0, 0.0, 0.5), motion="static")
     body = add(scene, (0.0, 0.0, 0.5 + HEIGHT))
     with attach(scene) as extension:
         extension.adopt()
+        run(scene, extension, calm_s)
         platform.pose = sapien.Pose((0.0, 0.0, 0.5), (np.cos(0.35), 0, np.sin(0.35), 0))  # steeper than 0.3 holds
         run(scene, extension, 1.0)
         assert height(body) < 0.3
@@ -210,3 +212,15 @@ def trajectory(*, attached: bool) -> np.ndarray:
 
 def test_arm_and_drive_keep_their_trajectories_to_the_bit_while_nothing_is_frozen() -> None:
     np.testing.assert_array_equal(trajectory(attached=True), trajectory(attached=False))
+
+
+def test_a_body_that_physx_has_put_to_sleep_freezes(scene) -> None:
+    (entity,) = tower(scene, 1)
+    with attach(scene) as extension:
+        extension.update(STEP_S)
+        extension.disturb(ids([entity]))
+        run(scene, extension, 4.0)
+        assert component(entity).is_sleeping
+        extension.release(ids([entity]))
+        run(scene, extension, 1.0)
+        assert list(extension.frozen) == ids([entity]), extension.why(entity.per_scene_id)
