@@ -78,6 +78,7 @@ class PybulletPort:
         self._calm_s = 0.0
         self._ids: IntArray = np.empty(0, np.int64)
         self._rows: FloatArray = np.empty((0, 13))
+        self._read = self._ids, self._rows  # at the latest frame that did not omit the obstacles
         if bodies is not None:
             self.add(bodies)
 
@@ -243,8 +244,8 @@ class PybulletPort:
         ids = np.array(sorted([*live, *obstacles]), np.int64)
         rows = rows_of([self._motion_of(body, *obstacles.get(body, (body, _BASE))) for body in ids.tolist()], 13)
         check_finite(ids, rows)
-        turned = turned_bodies(obstacles, ids, rows, self._ids, self._rows)
-        self._ids, self._rows = ids, rows
+        turned = turned_bodies(obstacles, ids, rows, *self._read)
+        self._ids, self._rows = self._read = ids, rows
         self._bodies.shapes.place(ids.tolist(), rows[:, :7])
         return turned
 
