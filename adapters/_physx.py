@@ -1,15 +1,11 @@
 """PhysX 5 on the processor, through SAPIEN: the engine family of the paper, which extended PhysX 3 inside Unity 4.
 
-Freezing: the adapter makes the body kinematic. Nothing moves a kinematic body by a single bit, and PhysX does not
-collide it with the ground or with another kinematic body. Unfreezing makes the body dynamic again, at rest and awake.
-SAPIEN's ``put_to_sleep`` does not freeze a body, because the first touch wakes it.
+Freezing: the adapter makes the body kinematic (``stability_core.ports.sapien_calls``).
 
 Contacts: PhysX reports up to four points per pair, detected before the latest substep. It lists points with a gap of up
 to the sum of both shapes' contact offsets. As shipped this sum exceeds the thickness of two planks, so that PhysX lists
 a brick and the ground with another brick between them, without impulse. The adapter omits points with a gap of more
-than ``MAX_SEPARATION``. Normals point from the second body to the first, and all points of a pair share one normal,
-because boxes are convex. SAPIEN lists pairs in the order of memory addresses; the adapter sorts them by ids. All poses
-and velocities come in one packed block of 32-bit floats.
+than ``MAX_SEPARATION``. All poses and velocities come in one packed block of 32-bit floats.
 
 ``find_contacts`` makes one step of 1 us in a second world with the same bodies, weightless and at rest, because SAPIEN
 cannot collide without a step. It reads the contacts that PhysX detected at the start of that step, at the present
@@ -32,21 +28,27 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Mapping
-from typing import Any
 
 import numpy as np
 
-from adapters._physx_contacts import Listed, all_impulses, touching_points
-from adapters._physx_world import KNOBS, PhysxWorld, stop
+from adapters._physx_world import KNOBS, PhysxWorld
 from adapters.profile import Capabilities, KnobValue
 from adapters.profile_files import load_settings
 from adapters.shared.contact_forces import SubstepForces
 from adapters.shared.driven_pose import advanced
-from adapters.shared.live_pairs import pairs_with_live
 from adapters.shared.quiet_import import silenced_stderr
 from adapters.substeps import SubstepSimulation
 from scenarios.model import Brick, Quaternion, Vector
 from stability_core.port import Contacts, FloatArray, IntArray
+from stability_core.ports.sapien_calls import (
+    Listed,
+    all_impulses,
+    freeze,
+    listed_pairs,
+    stop,
+    touching_points,
+    unfreeze,
+)
 
 with silenced_stderr(), warnings.catch_warnings():
     warnings.simplefilter("ignore")
@@ -168,11 +170,10 @@ class PhysxSimulation(SubstepSimulation):
     # -- called by the port ---------------------------------------------------------------------------
 
     def _freeze(self, body: int) -> None:
-        self._components[body].kinematic = True
+        freeze(self._components[body])
 
     def _unfreeze(self, body: int) -> None:
-        self._components[body].kinematic = False
-        stop(self._components[body])
+        unfreeze(self._components[body])
 
     def _contacts(self) -> Contacts:
         pairs, numbers = touching_points(self._listed(), self.scale)
@@ -198,18 +199,8 @@ class PhysxSimulation(SubstepSimulation):
     # -- helpers --------------------------------------------------------------------------------------
 
     def _listed(self) -> Iterator[Listed]:
-        """Yield every pair that touches a live body and has a point, by rising ids: bodies a and b, and the points.
-
-        The order matters, because the adapter adds friction forces pair by pair: another order changes their last bits.
-        """
-        body_of = self._engine.body_of.get  # returns None for a brick that was removed after the latest step
-
-        def ids_of(contact: Any) -> tuple[int | None, int | None]:
-            first, second = contact.bodies
-            return body_of(second), body_of(first)
-
-        listed = pairs_with_live(self._engine.system.get_contacts(), ids_of, self.bodies)
-        for a, b, contact in sorted(listed, key=lambda pair: pair[:2]):
-            points = contact.points
-            if points:
-                yield a, b, points
+        """Yield every pair that touches a live body and has a point, by rising ids."""
+        live = self.bodies.live
+        return listed_pairs(
+            self._engine.system.get_contacts(), self._engine.body_of.get, lambda a, b: a in live or b in live
+        )

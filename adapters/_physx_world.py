@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from adapters._physx_state import BodyStates
 from adapters.profile import KnobValue, Profile
 from adapters.shared.quiet_import import silenced_stderr
 from adapters.shared.vectors import half_edges
@@ -17,6 +16,7 @@ from scenarios.model import Brick, Quaternion, Vector, World
 from scenarios.shapes import Polyhedron
 from scenarios.solids import moments_of
 from stability_core.port import FloatArray
+from stability_core.ports.sapien_states import BodyStates
 
 with silenced_stderr(), warnings.catch_warnings():
     warnings.simplefilter("ignore")
@@ -156,9 +156,3 @@ def _moments(brick: Brick) -> FloatArray:
     x, y, z = brick.size
     moments: FloatArray = brick.mass / 12 * np.array([y * y + z * z, x * x + z * z, x * x + y * y])
     return moments
-
-
-def stop(component: Any) -> None:
-    """Set both velocities of a dynamic body to zero, and wake the body."""
-    component.linear_velocity = component.angular_velocity = (0.0, 0.0, 0.0)
-    component.wake_up()

@@ -1,17 +1,10 @@
 """Rapier: soft contacts in small substeps, in single precision.
 
-Freezing: the adapter stops the body and makes it ``FIXED``. A body that becomes ``DYNAMIC`` again has the mass and
-inertia of its collider. Rapier scales a body's quaternion to unit length when its type changes and in later steps. If
-single precision has no quaternion of exactly unit length nearby, each scaling changes a last bit, so that a freeze
-first settles the rotation (``_rapier_rotation.py``).
+Freezing: the adapter stops the body and makes it ``FIXED`` (``stability_core.ports.rapier_calls``).
 
-Contacts are points in the frames of the two colliders, detected at the start of the latest substep or earlier: Rapier
-keeps a manifold, with an outdated distance, while the pair hardly moves. The adapter therefore moves points and normals
-with the bodies to the poses after the step, and measures the separation there. Rapier also lists points within its
-prediction distance; the adapter omits points with a gap of more than 0.1 mm.
-
-``find_contacts`` runs ``detect_collisions`` in a copy of the world, restored from a snapshot, and does not change the
-world itself. In the world itself this call changed later poses, and once made the next step crash.
+Contacts: the adapter moves Rapier's points and normals with the bodies to the poses after the step, and measures the
+separation there. Rapier also lists points within its prediction distance; the adapter omits points with a gap of more
+than 0.1 mm. ``find_contacts`` detects collisions in a copy of the world.
 
 Friction: the coefficient of a pair is the mean of both colliders' coefficients (as shipped), or the
 geometric mean if a body has its own; the other colliders have the world's coefficient. The law is a cone,
@@ -43,9 +36,8 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 import rapier3d
 
-from adapters._rapier_contacts import in_bodies, in_world, local_points
-from adapters._rapier_rotation import settle_rotation
-from adapters._rapier_world import RapierWorld, knows, stop
+from adapters._rapier_contacts import in_bodies, in_world
+from adapters._rapier_world import RapierWorld, knows
 from adapters.profile import Capabilities, KnobValue
 from adapters.profile_files import load_settings
 from adapters.shared.box_contacts import NEAR
@@ -55,6 +47,8 @@ from adapters.shared.vectors import dot, rows_of, scalar_last
 from adapters.substeps import SubstepSimulation
 from scenarios.model import Brick, Quaternion, Vector
 from stability_core.port import Contacts, FloatArray, IntArray
+from stability_core.ports.rapier_calls import copy_of, freeze, local_points, stop, unfreeze
+from stability_core.ports.rapier_rotation import settle_rotation
 
 _SETTINGS = load_settings("rapier", knows)
 
@@ -177,23 +171,18 @@ class RapierSimulation(SubstepSimulation):
     # -- called by the port ---------------------------------------------------------------------------
 
     def _freeze(self, body: int) -> None:
-        view = self._views[body]
-        stop(view)  # because a fixed body with a velocity keeps moving
-        view.body_type = rapier3d.RigidBodyType.FIXED
-        settle_rotation(view)
+        freeze(self._views[body])
         self._still_active.add(body)
 
     def _unfreeze(self, body: int) -> None:
         self._still_active.discard(body)
-        view = self._views[body]
-        view.body_type = rapier3d.RigidBodyType.DYNAMIC
-        view.wake_up()
+        unfreeze(self._views[body])
 
     def _contacts(self) -> Contacts:
         return self._read_contacts(self._engine.world.narrow_phase)
 
     def _find_contacts(self) -> Contacts:
-        copied = rapier3d.PhysicsWorld.restore(self._engine.world.snapshot())  # its colliders have the same handles
+        copied = copy_of(self._engine.world)
         copied.detect_collisions()
         return self._read_contacts(copied.narrow_phase)
 

@@ -1,40 +1,13 @@
-"""Rapier's contact points, which are in the frames of the colliders, and their conversion to the world's frame."""
+"""Conversion of Rapier's contact points from the frames of the colliders to the world's frame."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection
 
 import numpy as np
-import rapier3d
 
-from adapters.shared.vectors import rotate, rows_of
 from stability_core.port import FloatArray, IntArray
-
-
-def local_points(
-    pairs_of_colliders: Iterable[tuple[int, int, rapier3d.ContactPair]],
-) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Return all of Rapier's contact points of pairs, including points across a large gap.
-
-    Args:
-        pairs_of_colliders: body a, body b, and Rapier's pair.
-
-    Returns:
-        Three arrays of n points:
-
-        - bodies a and b, shape (n, 2);
-        - the normal and the point on a [m] in a's frame, then the point on b [m] in b's frame, shape (n, 9);
-        - the impulses [N s] along the normal, shape (n,).
-    """
-    pairs, rows, impulses = [], [], []
-    for body_a, body_b, pair in pairs_of_colliders:
-        for manifold in pair.manifolds:
-            normal = manifold.local_n1.to_tuple()
-            for point in manifold.points:
-                pairs.append((body_a, body_b))
-                rows.append(normal + point.local_p1.to_tuple() + point.local_p2.to_tuple())
-                impulses.append(point.impulse)
-    return np.array(pairs, np.int64), rows_of(rows, 9), np.array(impulses, np.float64)
+from stability_core.ports.rapier_calls import placed_points
 
 
 def in_bodies(pairs: IntArray, local: FloatArray, turned: Collection[int]) -> FloatArray:
@@ -75,9 +48,4 @@ def in_world(
     positions, quaternions = poses_of(bodies[len(rows) :])
     positions = np.vstack([fixed_positions[rows], positions])
     quaternions = np.vstack([fixed_quaternions[rows], quaternions])
-    a, b = place.reshape(pairs.shape).T
-    return (
-        rotate(quaternions[a], local[:, :3]),
-        positions[a] + rotate(quaternions[a], local[:, 3:6]),
-        positions[b] + rotate(quaternions[b], local[:, 6:]),
-    )
+    return placed_points(place.reshape(pairs.shape), positions, quaternions, local)

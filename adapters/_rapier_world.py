@@ -9,13 +9,13 @@ from operator import attrgetter
 import numpy as np
 import rapier3d
 
-from adapters._rapier_rotation import settle_rotation
 from adapters.profile import KnobValue, Profile
 from adapters.shared.vectors import half_edges, scalar_last
 from scenarios.model import Brick, Vector, World
 from scenarios.shapes import Polyhedron
 from scenarios.solids import friction_of, moments_of, restitution_of
 from stability_core.port import FloatArray
+from stability_core.ports.rapier_rotation import settle_rotation
 
 BODY_KNOBS = ("body.can_sleep", "body.activation.linear_threshold", "body.activation.angular_threshold")
 """Knobs that are settings of each body; all other knobs are settings of the world."""
@@ -172,8 +172,3 @@ def _with_mass(collider: rapier3d.ColliderBuilder, brick: Brick) -> rapier3d.Col
     moments = (x, z, y) if brick.shape == "cylinder" else (x, y, z)
     center, upright = rapier3d.Vec3.zeros(), rapier3d.Rotation3.identity()
     return collider.mass_properties(rapier3d.MassProperties(center, brick.mass, rapier3d.Vec3(*moments), upright))
-
-
-def stop(view: rapier3d.RigidBody) -> None:
-    """Set both velocities of a body to zero."""
-    view.linvel = view.angvel = rapier3d.Vec3.zeros()

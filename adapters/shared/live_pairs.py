@@ -3,18 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from typing import TypeVar
 
 import numpy as np
 
 from adapters.shared.bodies import Bodies
 from stability_core.port import GROUND, Contacts
-
-Item = TypeVar("Item")
-"""Type of the engine's record of a pair."""
-
-IdsOf = Callable[[Item], tuple[int | None, int | None]]
-"""Function that returns the ids a and b of an engine's pair; None for a body removed after the latest step."""
+from stability_core.ports.shared.body_pairs import IdsOf, Item, pairs_of
 
 
 def of_live(contacts: Contacts, bodies: Bodies) -> Contacts:
@@ -25,15 +19,6 @@ def of_live(contacts: Contacts, bodies: Bodies) -> Contacts:
         for a, b in zip(contacts.body_a.tolist(), contacts.body_b.tolist(), strict=True)
     ]
     return contacts if all(kept) else contacts.chosen(np.array(kept, np.bool_))
-
-
-def pairs_with_live(items: Iterable[Item], ids_of: IdsOf[Item], bodies: Bodies) -> Iterator[tuple[int, int, Item]]:
-    """Yield bodies a and b, and the pair, for each of the engine's pairs that touches a live body."""
-    live = bodies.live
-    for item in items:
-        a, b = ids_of(item)
-        if a is not None and b is not None and (a in live or b in live):
-            yield a, b, item
 
 
 def live_pairs(
@@ -50,15 +35,4 @@ def live_pairs(
         of_body: returns the pairs of one body.
         ids_of: returns bodies a and b of a pair.
     """
-    live = bodies.live
-    if 2 * len(live) > len(bodies.bricks):
-        yield from pairs_with_live(every(), ids_of, bodies)
-        return
-    for body in live:
-        for item in of_body(body):
-            a, b = ids_of(item)
-            if a is None or b is None:
-                continue
-            other = b if a == body else a
-            if other < body or other not in live:  # skip the second occurrence of a pair of live bodies
-                yield a, b, item
+    yield from pairs_of(bodies.live, len(bodies.bricks), every, of_body, ids_of)

@@ -19,8 +19,10 @@ from stability_core.settings import Settings
 
 __all__ = ["Attachment", "attach", "warm_up"]
 
-ENGINES = {"pybullet": "pybullet", "mujoco": "mujoco"}
+ENGINES = {"pybullet": "pybullet", "mujoco": "mujoco", "sapien": "sapien", "rapier": "rapier3d"}
 """Python package of each engine, by the name of its port and of the wheel's extra."""
+_PORT_OF = {package: name for name, package in ENGINES.items()} | {"pybullet_utils": "pybullet"}
+"""Name of the port, by the package in which the class of a world is defined."""
 
 
 def attach(
@@ -35,7 +37,8 @@ def attach(
     settings.
 
     Args:
-        world: PyBullet's client id (an integer) or client object; MuJoCo's ``MjData``.
+        world: PyBullet's client id (an integer) or client object; MuJoCo's ``MjData``; SAPIEN's ``Scene`` or its
+            ``physx_system``; Rapier's ``PhysicsWorld``.
         bodies: the engine's ids of the bodies to control; None for all bodies that can freeze, now and later.
         policy: a name of ``POLICIES``, or a policy of your own.
         settings: the tolerances.
@@ -73,11 +76,11 @@ def _engine_of(world: object) -> str:
     package = type(world).__module__.split(".")[0]
     if isinstance(world, int) and not isinstance(world, bool):
         return "pybullet"
-    if package in ENGINES or package == "pybullet_utils":
-        return "pybullet" if package == "pybullet_utils" else package
+    if package in _PORT_OF:
+        return _PORT_OF[package]
     raise TypeError(
-        f"attach() cannot use {type(world).__qualname__} from {package}: pass PyBullet's client id, or MuJoCo's "
-        "MjData; for another engine write a port, see the tutorial"
+        f"attach() cannot use {type(world).__qualname__} from {package}: pass PyBullet's client id, MuJoCo's MjData, "
+        "SAPIEN's Scene or Rapier's PhysicsWorld; for another engine write a port, see the tutorial"
     )
 
 

@@ -25,7 +25,8 @@ from stability_core.port import Contacts, FloatArray, IntArray, Masses
 from stability_core.ports.pybullet_bodies import PybulletBodies
 from stability_core.ports.pybullet_calls import Row, forces_of, freeze, geometry_of, pairs_of, unfreeze
 from stability_core.ports.shared.approach import Motions, fastest_approach
-from stability_core.ports.shared.free_flight import FreeFlight
+from stability_core.ports.shared.body_motions import check_finite, motions_of, turned_bodies
+from stability_core.ports.shared.free_flight import FreeFlight, check_steps
 from stability_core.ports.shared.nothing import NO_CONTACTS, NO_MASSES
 from stability_core.ports.shared.shapes import compile_kernels
 from stability_core.ports.shared.vectors import rows_of
@@ -34,15 +35,11 @@ AWAKE = pybullet.ACTIVATION_STATE_DISABLE_SLEEPING
 """Activation state of a live body."""
 _BASE = -1
 _FRICTION = 1  # column of getDynamicsInfo
-_STEP = 0.02
-"""Greatest difference of ``dt`` from a whole number of steps, in steps."""
 CALM_S = 1.0
 """Time [s] for which obstacles must have kept their places before the port omits them in frames without live bodies.
 The core counts a body that the host has moved as ground after ``Settings.still_s``, 0.5 s, and must see it so long."""
 NEAR = 1e-3
 """Greatest gap [m] at which ``find_contacts`` measures the distance of two bodies."""
-_TURNED = 1e-4
-"""Least change of a component of an obstacle's quaternion that counts as a turn: 0.01 degrees."""
 
 
 def open_port(world: Any, bodies: Collection[int] | None) -> PybulletPort:
@@ -73,8 +70,6 @@ class PybulletPort:
         self._bodies = PybulletBodies(client, takes_all=bodies is None)
         self._before: Motions | None = None
         self._flight = FreeFlight()
-        self._flight_fault: str | None = None
-        self._touching: set[int] = set()
         self._dt = 0.0
         self._gravity = (0.0, 0.0, 0.0)
         self._read_parameters()
@@ -83,6 +78,7 @@ class PybulletPort:
         self._calm_s = 0.0
         self._ids: IntArray = np.empty(0, np.int64)
         self._rows: FloatArray = np.empty((0, 13))
+        self._read = self._ids, self._rows  # at the latest frame that did not omit the obstacles
         if bodies is not None:
             self.add(bodies)
 
@@ -119,15 +115,8 @@ class PybulletPort:
                 "PyBullet steps this world by its own clock, so that the time between two updates is unknown: call "
                 "setRealTimeSimulation(0), and stepSimulation() before each update()"
             )
-        steps = dt / shown["fixedTimeStep"]
-        if dt > 0.0 and (steps < 1 - _STEP or abs(steps - round(steps)) > _STEP):
-            raise ValueError(
-                f"dt = {dt:g} s is not a whole number of PyBullet's steps of {shown['fixedTimeStep']:g} s: pass the "
-                "time of all steps since the previous update(), or set the step with setTimeStep()"
-            )
-        if self._flight_fault:
-            fault, self._flight_fault = self._flight_fault, None
-            raise ValueError(fault)
+        check_steps(dt, shown["fixedTimeStep"], "PyBullet", "setTimeStep()")
+        self._flight.check()
         self._dt = dt
         self._bodies.follow()
         self._audit_next()
@@ -163,7 +152,8 @@ class PybulletPort:
         rows = self._found_rows() if self._finds else self._step_rows()
         self._finds = False
         listed = [(a, b, row) for row in rows if (pair := self._bodies.pair_of(row)) for a, b in [pair]]
-        self._note_flight({body for a, b, _ in listed for body in (a, b)})
+        touching = {body for a, b, _ in listed for body in (a, b)}
+        self._flight.note(self._bodies.live, touching, self._before, self._ids, self._rows, self._dt)
         if not listed:
             return Contacts.empty()
         a, b = pairs_of(listed)
@@ -185,7 +175,7 @@ class PybulletPort:
             self._read_motions()  # an obstacle that touches a body for the first time
             ids, rows = self._ids, self._rows
         mass = np.array([self._bodies.mass_of(body) for body in ids.tolist()])
-        self._before = Motions(ids, *(np.ascontiguousarray(rows[None, :, k : k + 3]) for k in (0, 7, 10)))
+        self._before = motions_of(ids, rows)
         return Masses(ids, mass, rows[:, :3], self._bodies.take_removed())
 
     def sleep(self, bodies: Sequence[int]) -> None:
@@ -253,19 +243,9 @@ class PybulletPort:
             return []
         ids = np.array(sorted([*live, *obstacles]), np.int64)
         rows = rows_of([self._motion_of(body, *obstacles.get(body, (body, _BASE))) for body in ids.tolist()], 13)
-        if not np.isfinite(rows).all():
-            body = ids[np.flatnonzero(~np.isfinite(rows).all(axis=1))[0]]
-            raise ValueError(
-                f"body {body} has a pose or a velocity that is not finite: the simulation has diverged; use a smaller "
-                "step or softer contacts, or remove the body"
-            )
-        turned = []
-        if obstacles:
-            earlier = dict(zip(self._ids.tolist(), self._rows, strict=True))
-            for body, row in zip(ids.tolist(), rows, strict=True):
-                if body in obstacles and body in earlier and abs(row[3:7] - earlier[body][3:7]).max() > _TURNED:
-                    turned.append(body)
-        self._ids, self._rows = ids, rows
+        check_finite(ids, rows)
+        turned = turned_bodies(obstacles, ids, rows, *self._read)
+        self._ids, self._rows = self._read = ids, rows
         self._bodies.shapes.place(ids.tolist(), rows[:, :7])
         return turned
 
@@ -295,24 +275,3 @@ class PybulletPort:
     def _friction_of(self, row: Row) -> float:
         bodies = self._bodies
         return bodies.friction_of(row[1], row[3]) * bodies.friction_of(row[2], row[4])
-
-    def _note_flight(self, touching: set[int]) -> None:
-        """Check ``dt`` by the live bodies without contacts in this and the previous frame."""
-        before, earlier = self._before, self._touching
-        self._touching = touching
-        if before is None or not len(before.body) or self._dt <= 0.0 or not self._bodies.live:
-            return
-        flying = [body in self._bodies.live and body not in touching | earlier for body in self._ids.tolist()]
-        if not any(flying):
-            return
-        at = np.searchsorted(before.body, self._ids)
-        known = (at < len(before.body)) & (before.body[np.minimum(at, len(before.body) - 1)] == self._ids)
-        at = np.where(known, at, 0)
-        self._flight_fault = self._flight.fault(
-            self._ids,
-            np.array(flying) & known,
-            self._rows[:, :3] - before.position[0, at],
-            before.linear[0, at],
-            self._rows[:, 7:10],
-            self._dt,
-        )

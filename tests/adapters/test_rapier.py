@@ -5,11 +5,11 @@ import pytest
 
 from adapters import open_engine
 from adapters._rapier import RapierSimulation
-from adapters._rapier_contacts import local_points
 from adapters.conformance.rig import MASS, PLANK, THICKNESS, advance, frozen_column, pairs, place_on, plank, pose
 from adapters.profile import Sleeping
 from scenarios.model import Brick, World
 from stability_core.port import GROUND
+from stability_core.ports.rapier_calls import local_points
 
 
 def opened(profile: str = "game", sleeping: Sleeping = "off", world: World | None = None) -> RapierSimulation:

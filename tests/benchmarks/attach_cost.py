@@ -20,8 +20,8 @@ from scenarios.model import Brick, World
 from stability_core import StabilityExtension
 from stability_core.ports import attach
 
-ENGINES = ("pybullet", "mujoco")
-SUITE = {"pybullet": "bullet", "mujoco": "mujoco"}
+ENGINES = ("pybullet", "mujoco", "sapien", "rapier")
+SUITE = {"pybullet": "bullet", "mujoco": "mujoco", "sapien": "physx", "rapier": "rapier"}
 """The suite's name of each engine."""
 SIZE, MASS = (0.117, 0.0234, 0.0078), 0.0119
 FROZEN = 100
@@ -162,6 +162,80 @@ class AttachedMujoco(Side):
         self.data.qvel[6 * FROZEN :] = 0.0
 
 
+class AttachedSapien(Side):
+    """A user's scene of SAPIEN, with as many steps a frame as the suite's profile ``default``."""
+
+    def __init__(self, steps: int) -> None:
+        import sapien
+        from sapien import physx
+
+        self.sapien, self.physx, self.steps = sapien, physx, steps
+        self.scene = sapien.Scene([physx.PhysxCpuSystem()])
+        self.scene.set_timestep(FRAME_S / steps)
+        self.material = physx.PhysxMaterial(FRICTION, FRICTION, 0.0)
+        self.scene.add_ground(0, render=False, material=self.material)
+        for index in range(FROZEN):
+            self._add(place(index))
+        self.plank = self._add(PARKED)
+        self.falling = self.plank.entity.per_scene_id
+        self.extension = attach(self.scene)
+        self.build()
+
+    def _add(self, position: tuple[float, ...]) -> Any:
+        builder = self.scene.create_actor_builder()
+        half = [edge / 2 for edge in SIZE]
+        builder.add_box_collision(half_size=half, material=self.material, density=MASS / (SIZE[0] * SIZE[1] * SIZE[2]))
+        entity = builder.build()
+        entity.pose = self.sapien.Pose(position)
+        return entity.find_component_by_type(self.physx.PhysxRigidDynamicComponent)
+
+    def step(self) -> None:
+        for _ in range(self.steps):
+            self.scene.step()
+
+    def drop(self) -> None:
+        self.extension.wake([self.falling])
+        self.plank.entity.pose = self.sapien.Pose(ABOVE)
+        self.plank.linear_velocity = self.plank.angular_velocity = (0.0, 0.0, 0.0)
+
+
+class AttachedRapier(Side):
+    """A user's world of Rapier, with the settings of the suite's profile ``default``."""
+
+    def __init__(self, steps: int) -> None:
+        import rapier3d
+
+        from stability_core.ports.rapier import id_of
+
+        self.rapier, self.steps = rapier3d, steps
+        self.world = rapier3d.PhysicsWorld(gravity=(0.0, 0.0, -9.81))
+        self.world.set_num_threads(1)
+        self.world.integration_parameters.dt = FRAME_S / steps
+        self.world.integration_parameters.length_unit = 0.1
+        ground = rapier3d.Collider.cuboid(20.0, 20.0, 1.0).translation((0.0, 0.0, -1.0))
+        self.world.add_collider(ground.friction(FRICTION))
+        for index in range(FROZEN):
+            self._add(place(index))
+        plank = self._add(PARKED)
+        self.plank, self.falling = self.world.rigid_bodies[plank], id_of(plank)
+        self.extension = attach(self.world)
+        self.build()
+
+    def _add(self, position: tuple[float, ...]) -> Any:
+        body = self.rapier.RigidBody.dynamic().translation(position).can_sleep(False)
+        collider = self.rapier.Collider.cuboid(*(edge / 2 for edge in SIZE)).mass(MASS).friction(FRICTION)
+        return self.world.add_body(body, [collider])
+
+    def step(self) -> None:
+        for _ in range(self.steps):
+            self.world.step()
+
+    def drop(self) -> None:
+        self.extension.wake([self.falling])
+        self.plank.position = self.rapier.Isometry3(ABOVE)
+        self.plank.linvel = self.plank.angvel = self.rapier.Vec3.zeros()
+
+
 class Cost(NamedTuple):
     """Median CPU times of a frame [us], with ``attach`` and with the suite's adapter."""
 
@@ -177,10 +251,16 @@ class Cost(NamedTuple):
 def open_sides(engine: str) -> tuple[Side, Adapter]:
     """Open a user's world and the suite's world with the same planks."""
     adapter = Adapter(engine)
-    attached: Side = (
-        AttachedPybullet() if engine == "pybullet" else AttachedMujoco(adapter.simulation.info.profile.substeps)
-    )
-    return attached, adapter
+    steps = adapter.simulation.info.profile.substeps
+    match engine:
+        case "pybullet":
+            return AttachedPybullet(), adapter
+        case "mujoco":
+            return AttachedMujoco(steps), adapter
+        case "sapien":
+            return AttachedSapien(steps), adapter
+        case _:
+            return AttachedRapier(steps), adapter
 
 
 def measure(engine: str, rounds: int = ROUNDS) -> dict[str, Cost]:

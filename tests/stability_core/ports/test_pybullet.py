@@ -117,11 +117,13 @@ def test_a_platform_that_the_user_lowers_takes_its_tower_along(client: int) -> N
         assert position(client, body)[2] == pytest.approx(0.5 - 119 * 5e-4 + HEIGHT, abs=2e-3)
 
 
-def test_a_platform_that_turns_in_place_wakes_its_load(client: int) -> None:
+@pytest.mark.parametrize("calm_s", [0.0, 3.0])
+def test_a_platform_that_turns_in_place_wakes_its_load(client: int, calm_s: float) -> None:
     platform = add(client, (0.0, 0.0, 0.5), mass=0.0)
     body = add(client, (0.0, 0.0, 0.5 + HEIGHT))
     with attach(client) as extension:
         extension.adopt()
+        run(client, extension, calm_s)
         turned = pybullet.getQuaternionFromEuler((0.0, np.radians(40.0), 0.0))  # steeper than friction 0.5 * 0.5 holds
         pybullet.resetBasePositionAndOrientation(platform, (0.0, 0.0, 0.5), turned, client)
         run(client, extension, 1.0)

@@ -15,25 +15,34 @@ packed block (0.2 us). The packed block holds every body of the world."""
 
 
 class BodyStates:
-    """Reader of the states of a system's bodies, which looks bodies up in the maps of ``PhysxWorld``."""
+    """Reader of the states of a system's dynamic bodies."""
 
     def __init__(self, system: Any, components: Mapping[int, Any], bodies: Mapping[Any, int]) -> None:
+        """Prepare to read bodies of ``system``.
+
+        Args:
+            system: SAPIEN's ``PhysxCpuSystem``.
+            components: component of each body, by id.
+            bodies: id of each component.
+        """
         self._system = system
         self._components = components
         self._bodies = bodies
         self._rows = np.empty(0, np.int64)
+        self._count = 0  # of dynamic bodies, which come first in the packed block, before the articulations
 
     def count_rows(self) -> None:
         """Compute the row of each body in the packed block, by id, because SAPIEN's order changes with the bodies."""
         listed = [self._bodies[component] for component in self._system.rigid_dynamic_components]
         self._rows = np.full(max(listed, default=-1) + 1, -1)
         self._rows[listed] = np.arange(len(listed))
+        self._count = len(listed)
 
     def read(self, bodies: IntArray) -> FloatArray:
         """Return quaternion (w, x, y, z), position [m], velocity [m/s] and spin [rad/s] of bodies, shape (n, 13)."""
         if 0 < len(bodies) * STATE_ALONE < len(self._components):
             return self._read_one_by_one(bodies)
-        packed = np.frombuffer(self._system.pack(), np.float32).reshape(-1, 13)
+        packed = np.frombuffer(self._system.pack(), np.float32, 13 * self._count).reshape(-1, 13)
         state: FloatArray = packed[self._rows[bodies]].astype(np.float64)
         return state
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import itertools
+from typing import TypeAlias
 
 import numpy as np
 import rapier3d
 
-from scenarios.model import Quaternion
+Quaternion: TypeAlias = tuple[float, float, float, float]
 
 
 def settle_rotation(view: rapier3d.RigidBody) -> None:
