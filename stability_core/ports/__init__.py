@@ -14,18 +14,21 @@ from typing import Any
 from stability_core import extension
 from stability_core.policies import Policy
 from stability_core.ports.attachment import Attachment
+from stability_core.ports.object_attachment import ObjectAttachment
 from stability_core.ports.shared.shapes import compile_kernels
 from stability_core.settings import Settings
 
-__all__ = ["Attachment", "attach", "warm_up"]
+__all__ = ["Attachment", "ObjectAttachment", "attach", "warm_up"]
 
-ENGINES = {"pybullet": "pybullet", "mujoco": "mujoco"}
+ENGINES = {"pybullet": "pybullet", "mujoco": "mujoco", "pymunk": "pymunk"}
 """Python package of each engine, by the name of its port and of the wheel's extra."""
+WITH_OBJECTS = ("pymunk",)
+"""Ports of engines whose bodies are objects without numbers."""
 
 
 def attach(
     world: Any,
-    bodies: Collection[int] | None = None,
+    bodies: Collection[Any] | None = None,
     policy: str | Policy = "equilibrium",
     settings: Settings | None = None,
 ) -> Attachment:
@@ -35,10 +38,14 @@ def attach(
     settings.
 
     Args:
-        world: PyBullet's client id (an integer) or client object; MuJoCo's ``MjData``.
-        bodies: the engine's ids of the bodies to control; None for all bodies that can freeze, now and later.
+        world: PyBullet's client id (an integer) or client object; MuJoCo's ``MjData``; pymunk's ``Space``.
+        bodies: the engine's ids of the bodies to control, or pymunk's bodies; None for all bodies that can freeze, now
+            and later.
         policy: a name of ``POLICIES``, or a policy of your own.
         settings: the tolerances.
+
+    Returns:
+        The attachment; for pymunk an ``ObjectAttachment``, whose methods accept bodies.
 
     Raises:
         TypeError: if the world is of no known engine.
@@ -47,7 +54,8 @@ def attach(
         RuntimeError: if the world has an open attachment.
     """
     name = _engine_of(world)
-    return Attachment(_module(name).open_port(world, bodies), policy, settings)
+    kind = ObjectAttachment if name in WITH_OBJECTS else Attachment
+    return kind(_module(name).open_port(world, bodies), policy, settings)
 
 
 def warm_up(policy: str = "equilibrium") -> float:
@@ -76,8 +84,8 @@ def _engine_of(world: object) -> str:
     if package in ENGINES or package == "pybullet_utils":
         return "pybullet" if package == "pybullet_utils" else package
     raise TypeError(
-        f"attach() cannot use {type(world).__qualname__} from {package}: pass PyBullet's client id, or MuJoCo's "
-        "MjData; for another engine write a port, see the tutorial"
+        f"attach() cannot use {type(world).__qualname__} from {package}: pass PyBullet's client id, MuJoCo's "
+        "MjData, or pymunk's Space; for another engine write a port, see the tutorial"
     )
 
 

@@ -20,8 +20,8 @@ from scenarios.model import Brick, World
 from stability_core import StabilityExtension
 from stability_core.ports import attach
 
-ENGINES = ("pybullet", "mujoco")
-SUITE = {"pybullet": "bullet", "mujoco": "mujoco"}
+ENGINES = ("pybullet", "mujoco", "pymunk")
+SUITE = {"pybullet": "bullet", "mujoco": "mujoco", "pymunk": "pymunk"}
 """The suite's name of each engine."""
 SIZE, MASS = (0.117, 0.0234, 0.0078), 0.0119
 FROZEN = 100
@@ -40,6 +40,12 @@ def place(index: int) -> tuple[float, float, float]:
     return 0.15 * column, 0.05 * row, SIZE[2] / 2
 
 
+def place_in_plane(index: int) -> tuple[float, float, float]:
+    """Return the place of a plank in a row on the ground of a planar engine [m]."""
+    return 0.15 * index, 0.0, SIZE[2] / 2
+
+
+PARKED_IN_PLANE = (-1.0, 0.0, SIZE[2] / 2)
 ABOVE = (0.0, 0.0, 1.5 * SIZE[2] + 5e-4)
 
 
@@ -83,7 +89,9 @@ class Adapter(Side):
     """The suite's adapter of an engine."""
 
     def __init__(self, engine: str) -> None:
-        bricks = [Brick(SIZE, MASS, place(index)) for index in range(FROZEN)] + [Brick(SIZE, MASS, PARKED)]
+        planar = engine == "pymunk"
+        places = [*map(place_in_plane if planar else place, range(FROZEN)), PARKED_IN_PLANE if planar else PARKED]
+        bricks = [Brick(SIZE, MASS, position) for position in places]
         self.simulation = open_engine(SUITE[engine], "default", world=World(friction=FRICTION), expected=bricks)
         self.extension = StabilityExtension(self.simulation.port, "equilibrium")
         self.falling = [self.simulation.spawn(brick) for brick in bricks][-1]
@@ -162,6 +170,45 @@ class AttachedMujoco(Side):
         self.data.qvel[6 * FROZEN :] = 0.0
 
 
+class AttachedPymunk(Side):
+    """A user's space of pymunk in millimetres, as in the suite's adapter, with one step a frame.
+
+    The planks lie side by side, because the space is a plane. A landing plank lands on the first of them.
+    """
+
+    def __init__(self) -> None:
+        import pymunk
+
+        self.pymunk, self.space = pymunk, pymunk.Space()
+        self.space.gravity = 0.0, -9810.0
+        floor = pymunk.Poly(self.space.static_body, [(-20000, -1000), (20000, -1000), (20000, 0), (-20000, 0)])
+        floor.friction = FRICTION**0.5
+        self.space.add(floor)
+        for index in range(FROZEN):
+            self._add(place_in_plane(index))
+        self.plank = self._add(PARKED_IN_PLANE)
+        self.extension = attach(self.space)
+        self.falling = self.extension.id_of(self.plank)
+        self.build()
+
+    def _add(self, position: tuple[float, ...]) -> Any:
+        width, height = 1e3 * SIZE[0], 1e3 * SIZE[2]
+        body = self.pymunk.Body(MASS, self.pymunk.moment_for_box(MASS, (width, height)))
+        body.position = 1e3 * position[0], 1e3 * position[2]
+        shape = self.pymunk.Poly.create_box(body, (width, height))
+        shape.friction = FRICTION**0.5
+        self.space.add(body, shape)
+        return body
+
+    def step(self) -> None:
+        self.space.step(FRAME_S)
+
+    def drop(self) -> None:
+        self.extension.wake([self.falling])
+        self.plank.position, self.plank.angle = (1e3 * ABOVE[0], 1e3 * ABOVE[2]), 0.0
+        self.plank.velocity, self.plank.angular_velocity = (0.0, 0.0), 0.0
+
+
 class Cost(NamedTuple):
     """Median CPU times of a frame [us], with ``attach`` and with the suite's adapter."""
 
@@ -177,10 +224,13 @@ class Cost(NamedTuple):
 def open_sides(engine: str) -> tuple[Side, Adapter]:
     """Open a user's world and the suite's world with the same planks."""
     adapter = Adapter(engine)
-    attached: Side = (
-        AttachedPybullet() if engine == "pybullet" else AttachedMujoco(adapter.simulation.info.profile.substeps)
-    )
-    return attached, adapter
+    match engine:
+        case "pybullet":
+            return AttachedPybullet(), adapter
+        case "mujoco":
+            return AttachedMujoco(adapter.simulation.info.profile.substeps), adapter
+        case _:
+            return AttachedPymunk(), adapter
 
 
 def measure(engine: str, rounds: int = ROUNDS) -> dict[str, Cost]:
