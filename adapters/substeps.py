@@ -18,10 +18,10 @@ from adapters.base import Simulation
 from adapters.profile import Profile, Sleeping
 from adapters.shared.bodies import NO_FORCE
 from adapters.shared.contact_forces import SubstepForces, mean_force
-from adapters.shared.friction_forces import with_friction
 from scenarios.model import Brick, World
 from stability_core.port import Contacts, FloatArray, IntArray
 from stability_core.ports.shared.approach import Motions, fastest_approach
+from stability_core.ports.shared.friction_forces import with_friction
 
 
 class SubstepSimulation(Simulation):

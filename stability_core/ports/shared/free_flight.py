@@ -1,4 +1,4 @@
-"""A check that the time passed to ``update`` is the time of the engine's steps, from bodies in free flight.
+"""Checks that the time passed to ``update`` is the time of the engine's steps: whole steps, and bodies in free flight.
 
 A body without contacts moves by its velocity times the length of the frame. If it moves by another multiple in several
 frames in a row, the host has stepped more or less often than it says.
@@ -6,9 +6,13 @@ frames in a row, the host has stepped more or less often than it says.
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 
 from stability_core.port import BoolArray, FloatArray, IntArray
+from stability_core.ports.shared.approach import Motions
+from stability_core.ports.shared.body_motions import CENTER, VELOCITY, rows_of_ids
 
 LEAST, MOST = 0.6, 1.5
 """Ratios of the way to the velocity times the length of the frame that count as right. The ratio is 1 up to gravity and
@@ -21,11 +25,69 @@ ALIKE = 0.2
 """Greatest relative difference of the ratios of consecutive frames."""
 
 
+_STEP = 0.02
+"""Greatest difference of ``dt`` from a whole number of steps, in steps."""
+
+
+def check_steps(dt: float, step_s: float, engine: str, setter: str) -> None:
+    """Raise ``ValueError`` unless ``dt`` [s] is a whole number of steps of ``step_s`` [s].
+
+    Args:
+        dt: time passed to ``update``; 0 for no frame.
+        step_s: time of one step of the engine.
+        engine: name of the engine in the message.
+        setter: call or attribute by which a user sets the step.
+    """
+    steps = dt / step_s
+    if dt > 0.0 and (steps < 1 - _STEP or abs(steps - round(steps)) > _STEP):
+        raise ValueError(
+            f"dt = {dt:g} s is not a whole number of {engine}'s steps of {step_s:g} s: pass the time of all steps "
+            f"since the previous update(), or set the step with {setter}"
+        )
+
+
 class FreeFlight:
     """The latest ratio of a body in free flight, and the number of frames in a row with that ratio."""
 
     def __init__(self) -> None:
         self._ratio, self._frames = 1.0, 0
+        self._touching: set[int] = set()
+        self._fault: str | None = None
+
+    def check(self) -> None:
+        """Raise ``ValueError`` if the frames noted so far contradict ``dt``."""
+        if self._fault:
+            fault, self._fault = self._fault, None
+            raise ValueError(fault)
+
+    def note(
+        self,
+        live: Collection[int],
+        touching: set[int],
+        before: Motions | None,
+        ids: IntArray,
+        rows: FloatArray,
+        dt: float,
+    ) -> None:
+        """Compare the way of the live bodies without contacts in this and the previous frame with their velocities.
+
+        Args:
+            live: the live bodies.
+            touching: the bodies with contacts in this frame.
+            before: motions after the previous update.
+            ids: the live bodies and the obstacles, shape (n,).
+            rows: their motions now, see ``body_motions``, shape (n, 13).
+            dt: time passed to ``update`` [s].
+        """
+        earlier, self._touching = self._touching, touching
+        if before is None or not len(before.body) or dt <= 0.0 or not live:
+            return
+        flying = [body in live and body not in touching | earlier for body in ids.tolist()]
+        if not any(flying):
+            return
+        at, is_known = rows_of_ids(before.body, ids)
+        way = rows[:, CENTER] - before.position[0, at]
+        self._fault = self.fault(ids, np.array(flying) & is_known, way, before.linear[0, at], rows[:, VELOCITY], dt)
 
     def fault(
         self, bodies: IntArray, flying: BoolArray, way: FloatArray, before: FloatArray, now: FloatArray, dt: float

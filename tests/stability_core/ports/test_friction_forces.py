@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from adapters.shared.friction_forces import with_friction
+from stability_core.ports.shared.friction_forces import with_friction
 
 UP = (0.0, 0.0, 1.0)
 

@@ -1,0 +1,66 @@
+"""Rows of motions of bodies, in the columns of ``COLUMNS``, and what they show of a world."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import numpy as np
+
+from stability_core.port import BoolArray, FloatArray, IntArray
+from stability_core.ports.shared.approach import Motions
+
+COLUMNS = 13
+"""Centre of mass [m], quaternion (x, y, z, w), velocity [m/s] and spin [rad/s] of a body, in the world's frame."""
+CENTER, POSE, VELOCITY, SPIN = slice(0, 3), slice(0, 7), slice(7, 10), slice(10, 13)
+_TURN = slice(3, 7)
+_TURNED = 1e-4
+"""Least change of a component of an obstacle's quaternion that counts as a turn: 0.01 degrees."""
+
+
+def check_finite(ids: IntArray, rows: FloatArray) -> None:
+    """Raise ``ValueError`` if a number in the rows (n, 13) of bodies (n,) is not finite."""
+    if not np.isfinite(rows).all():
+        body = ids[np.flatnonzero(~np.isfinite(rows).all(axis=1))[0]]
+        raise ValueError(
+            f"body {body} has a pose or a velocity that is not finite: the simulation has diverged; use a smaller "
+            "step or softer contacts, or remove the body"
+        )
+
+
+def turned_bodies(
+    bodies: Collection[int], ids: IntArray, rows: FloatArray, earlier_ids: IntArray, earlier_rows: FloatArray
+) -> list[int]:
+    """Return the bodies that have turned between two frames.
+
+    Args:
+        bodies: ids of the bodies to look at.
+        ids: ids of the later frame's rows, shape (n,).
+        rows: rows of the later frame, shape (n, 13).
+        earlier_ids: ids of the earlier frame's rows, shape (m,).
+        earlier_rows: rows of the earlier frame, shape (m, 13).
+    """
+    if not bodies:
+        return []
+    earlier = dict(zip(earlier_ids.tolist(), earlier_rows, strict=True))
+    return [
+        body
+        for body, row in zip(ids.tolist(), rows, strict=True)
+        if body in bodies and body in earlier and abs(row[_TURN] - earlier[body][_TURN]).max() > _TURNED
+    ]
+
+
+def rows_of_ids(known: IntArray, ids: IntArray) -> tuple[IntArray, BoolArray]:
+    """Return the rows of ids (n,) in ``known`` (m,), and whether each id is there; the row of an unknown id is 0.
+
+    Args:
+        known: ids by rising value, at least one.
+        ids: ids to find.
+    """
+    at = np.minimum(np.searchsorted(known, ids), len(known) - 1)
+    is_known: BoolArray = known[at] == ids
+    return np.where(is_known, at, 0), is_known
+
+
+def motions_of(ids: IntArray, rows: FloatArray) -> Motions:
+    """Return rows (n, 13) of bodies (n,) as the motions before a frame of one step."""
+    return Motions(ids, *(np.ascontiguousarray(rows[None, :, part]) for part in (CENTER, VELOCITY, SPIN)))

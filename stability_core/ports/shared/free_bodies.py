@@ -1,0 +1,238 @@
+"""``FreeBodies``: the bodies of a user's world, each of which is live, frozen, or an obstacle."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from stability_core.port import GROUND, BoolArray, FloatArray, IntArray
+from stability_core.ports.shared.body_motions import COLUMNS, POSE
+from stability_core.ports.shared.free_body_world import FreeBodyWorld
+from stability_core.ports.shared.shapes import ShapeTable
+
+LOOK_S = 0.1
+"""Time [s] between two looks at the places of frozen and of static bodies. The port lists the bodies of a world with the same delay
+where the engine has a cheaper way to see that they are the same: a list of a hundred bodies costs half as much as the
+engine's step of frozen bodies."""
+AT_A_LOOK = 5
+"""Greatest number of frozen bodies whose places the port checks at a look, because some engines read body by body."""
+BESIDE = 1e-3
+"""Greatest gap [m] at which a frozen body is beside a kinematic body, between the boxes around both."""
+
+
+class FreeBodies:
+    """Record of the bodies of a world: live, frozen, or obstacles that the port does not control."""
+
+    def __init__(self, world: FreeBodyWorld, *, takes_all: bool) -> None:
+        self._world, self._takes_all = world, takes_all
+        self.live: dict[int, float] = {}
+        """Mass [kg] of each live body."""
+        self.frozen: dict[int, float] = {}
+        """Mass [kg] of each frozen body."""
+        self.obstacles: set[int] = set()
+        """Bodies that have touched a controlled body."""
+        self.movers: set[int] = set()
+        """Bodies that the port does not control and that move by forces, so that they collide with frozen bodies."""
+        self.moved: list[int] = []
+        """Frozen bodies that the host had moved, among those that the latest look checked."""
+        self.has_looked = True
+        """True in the frames of looks."""
+        self.has_new_obstacle = False
+        """True if ``sides`` has noted an obstacle since the motions were read."""
+        self.kinematic: list[int] = []
+        """Bodies that the host moves."""
+        self.shapes = ShapeTable()
+        self._present: set[int] = set()
+        self._planes: set[int] = set()
+        self._kinematic_rows: FloatArray = np.empty((0, COLUMNS))
+        self._removed: list[int] = []
+        self._frozen_poses: dict[int, FloatArray] = {}
+        self._boxes: tuple[list[int], FloatArray] | None = None
+        self._unchecked: list[int] = []  # live bodies
+        self._unseen: list[int] = []  # frozen bodies
+        self._look_s = np.inf  # time since the latest look
+
+    # -- bodies that come and go ----------------------------------------------------------------------
+
+    def look(self, dt: float) -> list[int]:
+        """Follow the world through a frame of ``dt`` [s], and find the frozen bodies that the host has moved.
+
+        Returns:
+            The live bodies that can no longer freeze, because the user has joined them to others, for example.
+        """
+        self._look_s += dt
+        self.has_looked = self._look_s >= LOOK_S or dt == 0.0
+        self.moved = []
+        if self.has_looked or not self._world.can_read([*self.live, *self.movers, *self.obstacles, *self.kinematic]):
+            self.follow()
+        if self.has_looked:
+            self._look_s = 0.0
+            self._find_moved()
+            if not self.live:
+                self._world.rest()
+        return self._check_next()
+
+    def follow(self) -> None:
+        """Control new free bodies, if the port controls all; forget bodies that left the world."""
+        if not self._world.has_changed():
+            return
+        present = set(self._world.bodies())
+        gone, new = self._present - present, present - self._present
+        self._present = present
+        for body in gone:
+            self._forget(body)
+        if self._takes_all:
+            for body in sorted(new):
+                if self._world.reason_against(body) is None:
+                    self._control(body)
+        self._sort_others()
+
+    def add(self, bodies: Iterable[int]) -> None:
+        """Control free bodies.
+
+        Raises:
+            ValueError: for a body that does not exist, cannot freeze, or is controlled already.
+        """
+        self.follow()
+        for body in bodies:
+            if body not in self._present:
+                raise ValueError(
+                    f"this {self._world.engine} world has no body {body!r}: pass {self._world.ids_from} of bodies in "
+                    f"the world, of {sorted(self._present)}"
+                )
+            if body in self.live or body in self.frozen:
+                raise ValueError(f"body {body} is controlled already: list each body once")
+            reason = self._world.reason_against(body)
+            if reason:
+                raise ValueError(f"body {body} {reason}")
+            self._control(body)
+        self._sort_others()
+
+    def remove(self, bodies: Iterable[int]) -> None:
+        """Stop to control live bodies."""
+        for body in bodies:
+            self._forget(body)
+        self._sort_others()
+
+    def take_removed(self) -> list[int]:
+        """Return the ids that left the world or the port's control since the previous call."""
+        removed, self._removed = self._removed, []
+        return removed
+
+    # -- live and frozen ------------------------------------------------------------------------------
+
+    def freeze(self, body: int) -> None:
+        """Freeze a live body."""
+        self.frozen[body] = self.live.pop(body)
+        self._world.freeze(body)
+        self._frozen_poses[body] = self._world.motions([body])[0, POSE]
+        self._boxes = None
+
+    def unfreeze(self, body: int) -> None:
+        """Make a frozen body live."""
+        self.live[body] = self.frozen.pop(body)
+        del self._frozen_poses[body]
+        self._boxes = None
+        self._world.unfreeze(body)
+
+    # -- obstacles ------------------------------------------------------------------------------------
+
+    def concerns(self, a: int, b: int) -> bool:
+        """Return True if a contact of two bodies touches a live body, or joins a frozen body and a mover."""
+        if a in self.live or b in self.live:
+            return True
+        return (a in self.frozen and b in self.movers) or (b in self.frozen and a in self.movers)
+
+    def sides(self, bodies: IntArray) -> IntArray:
+        """Return the core's ids of bodies in contacts (n,), and note new obstacles. A half space is the ground."""
+        for body in {*bodies.tolist()}:
+            if not (body in self.live or body in self.frozen or body in self.obstacles or body in self._planes):
+                self._note_obstacle(body)
+        for plane in self._planes:
+            bodies = np.where(bodies == plane, GROUND, bodies)
+        return bodies
+
+    def beside_kinematic(self) -> Sequence[int]:
+        """Return the frozen bodies beside a kinematic body that has moved since the previous call."""
+        if not self.kinematic or not self.frozen:
+            return ()
+        rows = self._world.motions(self.kinematic)
+        moved = np.flatnonzero((rows[:, POSE] != self._kinematic_rows[:, POSE]).any(axis=1))
+        self._kinematic_rows = rows
+        if not len(moved):
+            return ()
+        if self._boxes is None:
+            self._boxes = list(self.frozen), np.array([self._world.box(body) for body in self.frozen])
+        bodies, boxes = self._boxes
+        beside: BoolArray = np.zeros(len(bodies), np.bool_)
+        for row in moved.tolist():
+            box = np.asarray(self._world.box(self.kinematic[row]))
+            beside |= ((boxes[:, :3] <= box[3:] + BESIDE) & (boxes[:, 3:] >= box[:3] - BESIDE)).all(axis=1)
+        return [bodies[row] for row in np.flatnonzero(beside).tolist()]
+
+    # -- helpers --------------------------------------------------------------------------------------
+
+    def _find_moved(self) -> None:
+        """Set ``moved`` to those of the next frozen bodies, in turn, whose poses differ from those at which they froze."""
+        if not self._unseen:
+            self._unseen = [*self.frozen]
+        frozen = [body for body in self._unseen[:AT_A_LOOK] if body in self.frozen]
+        del self._unseen[:AT_A_LOOK]
+        if frozen:
+            kept = np.array([self._frozen_poses[body] for body in frozen])
+            differs = (self._world.motions(frozen)[:, POSE] != kept).any(axis=1)
+            self.moved = [frozen[row] for row in np.flatnonzero(differs).tolist()]
+
+    def _check_next(self) -> list[int]:
+        """Check the mass of one live body, in turn; return it if it can no longer freeze."""
+        if not self.live:
+            return []
+        if not self._unchecked:
+            self._unchecked = [*self.live]
+        body = self._unchecked.pop()
+        if body not in self.live:
+            return []
+        if self._world.reason_against(body):
+            return [body]
+        self.live[body] = self._world.mass(body)
+        return []
+
+    def _control(self, body: int) -> None:
+        """Start to control a free body, which is no obstacle from now on."""
+        self.obstacles.discard(body)
+        self.live[body] = self._world.mass(body)
+        solid = self._world.solid(body)
+        if solid is not None:
+            self.shapes.add(body, solid)
+
+    def _forget(self, body: int) -> None:
+        """Delete the record of a body that leaves the world or the port's control."""
+        if body in self.live or body in self.frozen or body in self.obstacles:
+            self._removed.append(body)
+        self.live.pop(body, None)
+        self.frozen.pop(body, None)
+        self._frozen_poses.pop(body, None)
+        self.obstacles.discard(body)
+        self._planes.discard(body)
+        self.shapes.remove(body)
+        self._boxes = None
+
+    def _note_obstacle(self, body: int) -> None:
+        """Record an obstacle that touches a controlled body for the first time."""
+        solid = self._world.solid(body)
+        if solid is not None and not len(solid.vertices):
+            self._planes.add(body)
+            self.shapes.add(GROUND, solid)
+            return
+        self.obstacles.add(body)
+        self.has_new_obstacle = True
+        if solid is not None:
+            self.shapes.add(body, solid)
+
+    def _sort_others(self) -> None:
+        """Find the movers and the kinematic bodies among the bodies that the port does not control."""
+        others = sorted(self._present - self.live.keys() - self.frozen.keys())
+        self.movers = {body for body in others if self._world.is_mover(body)}
+        self.kinematic = [body for body in others if self._world.is_kinematic(body)]
+        self._kinematic_rows = self._world.motions(self.kinematic)

@@ -1,0 +1,209 @@
+"""``FreeBodyPort``: a port to a user's world of free rigid bodies, whatever the engine.
+
+Bodies that the port does not control are obstacles. An obstacle that touches a controlled body counts as a body that
+the host moves; a half space counts as the ground. The velocities before a step are those after the previous update, so
+that approach speeds are exact if ``update`` follows each step. If several steps make a frame, they lack the fall of a
+frame.
+
+The engines do not collide a frozen body with a kinematic one. The port therefore unfreezes the frozen bodies beside a
+kinematic body that moves. Their normal forces come from the engine, their friction from the bodies' momentum.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Hashable, Iterable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from stability_core.port import Contacts, FloatArray, IntArray, Masses
+from stability_core.ports.shared.approach import Motions, fastest_approach
+from stability_core.ports.shared.body_motions import (
+    CENTER,
+    COLUMNS,
+    POSE,
+    VELOCITY,
+    check_finite,
+    motions_of,
+    rows_of_ids,
+    turned_bodies,
+)
+from stability_core.ports.shared.free_bodies import FreeBodies
+from stability_core.ports.shared.free_body_world import FreeBodyWorld, Vector
+from stability_core.ports.shared.free_flight import FreeFlight, check_steps
+from stability_core.ports.shared.friction_forces import with_friction
+from stability_core.ports.shared.nothing import NO_CONTACTS, NO_MASSES
+from stability_core.ports.shared.shapes import compile_kernels
+
+CALM_S = 1.0
+"""Time [s] for which obstacles must have kept their places before the port omits them in frames without live bodies.
+The core counts a body that the host has moved as ground after ``Settings.still_s``, 0.5 s, and must see it so long."""
+
+
+class FreeBodyPort:
+    """The core's view of the free bodies of a world."""
+
+    def __init__(self, world: FreeBodyWorld, identity: Hashable, bodies: Collection[int] | None) -> None:
+        compile_kernels()
+        self.engine = world.engine
+        self.world = identity
+        self._world = world
+        self._bodies = FreeBodies(world, takes_all=bodies is None)
+        self._before: Motions | None = None
+        self._flight = FreeFlight()
+        self._dt, self._calm_s = 0.0, 0.0
+        self._finds = False
+        self._obstacle_ids: IntArray = np.empty(0, np.int64)
+        self._obstacle_poses: FloatArray = np.empty((0, 7))
+        self._ids: IntArray = np.empty(0, np.int64)
+        self._rows: FloatArray = np.empty((0, COLUMNS))
+        self._bodies.follow()
+        if bodies is not None:
+            self.add(bodies)
+
+    # -- called by the attachment ---------------------------------------------------------------------
+
+    def gravity(self) -> Vector:
+        """Return the world's gravity [m/s2]."""
+        return self._world.gravity()
+
+    def begin_update(self, dt: float) -> list[int]:
+        """Follow bodies that come and go, and check the time; return bodies that turned, or may be pushed.
+
+        Raises:
+            ValueError: if the world contradicts ``dt``, or a pose is not finite.
+        """
+        check_steps(dt, self._world.step_s(), self.engine, self._world.setter)
+        self._world.check()
+        self._flight.check()
+        self._dt = dt
+        self.remove(self._bodies.look(dt))
+        return [*self._read_motions(), *self._bodies.beside_kinematic()]
+
+    def add(self, bodies: Iterable[int]) -> None:
+        """Control free bodies.
+
+        Raises:
+            ValueError: for a body that does not exist, cannot freeze, or is controlled already.
+        """
+        self._bodies.add(bodies)
+
+    def remove(self, bodies: Iterable[int]) -> None:
+        """Stop to control bodies; frozen bodies become live first."""
+        bodies = list(bodies)
+        if bodies:
+            self.wake(bodies)
+            self._bodies.remove(bodies)
+
+    def find_contacts(self) -> None:
+        """Make the next ``contacts`` return the contacts of the present poses, without a change of the world."""
+        self._finds = True
+
+    # -- called by the core ---------------------------------------------------------------------------
+
+    def contacts(self) -> Contacts:
+        """Return the contacts that touch a live body, or join a frozen body and an obstacle that moves by forces."""
+        live, finds, self._finds = self._bodies.live, self._finds, False
+        if not live and not self._bodies.movers:
+            return NO_CONTACTS
+        read = self._world.present_contacts if finds else self._world.step_contacts
+        found = read(self._bodies.concerns, live.keys() | self._bodies.movers)
+        a, b = self._bodies.sides(found.body_a), self._bodies.sides(found.body_b)
+        self._flight.note(live, {*a.tolist(), *b.tolist()}, self._before, self._ids, self._rows, self._dt)
+        if not len(a):
+            return NO_CONTACTS
+        point, normal, force = found.point, found.normal, found.force
+        approach = fastest_approach(self._before, a, b, point, normal)
+        if self._before is not None and self._dt > 0.0:
+            force = with_friction((a, b), normal, force, found.friction, *self._borne_forces(self._before))
+        contacts = Contacts(a, b, point, normal, found.separation, approach, found.friction, force)
+        return self._bodies.shapes.completed(contacts)
+
+    def masses(self) -> Masses:
+        """Return the live bodies, the obstacles, whose mass is infinite, and frozen bodies that the host has moved."""
+        bodies, removed = self._bodies, self._bodies.take_removed()
+        if bodies.has_new_obstacle:
+            self._read_motions()
+        ids, rows = self._with_movers()
+        self._before = motions_of(ids, rows) if len(ids) else None
+        if not len(self._ids):
+            return replace(NO_MASSES, removed=removed) if removed else NO_MASSES
+        mass = {**bodies.frozen, **bodies.live}
+        masses = np.array([mass.get(body, np.inf) for body in self._ids.tolist()])
+        return Masses(self._ids, masses, self._rows[:, CENTER], removed)
+
+    def sleep(self, bodies: Sequence[int]) -> None:
+        """Freeze bodies exactly where they are; skip bodies that are not live."""
+        for body in bodies:
+            if body in self._bodies.live:
+                self._bodies.freeze(body)
+
+    def wake(self, bodies: Sequence[int]) -> None:
+        """Return frozen bodies to the engine, at rest; skip other bodies, and bodies that have left the world."""
+        if len(bodies):
+            self._bodies.follow()
+        for body in bodies:
+            if body in self._bodies.frozen:
+                self._bodies.unfreeze(body)
+
+    # -- helpers --------------------------------------------------------------------------------------
+
+    def _read_motions(self) -> list[int]:
+        """Read the motions of live bodies and obstacles; return the obstacles that turned in place.
+
+        Raises:
+            ValueError: if a pose is not finite.
+        """
+        live, obstacles, moved = self._bodies.live, self._bodies.obstacles, self._bodies.moved
+        self._bodies.has_new_obstacle = False
+        if not live and not moved and self._may_omit_obstacles():
+            self._ids, self._rows = self._ids[:0], self._rows[:0]
+            return []
+        listed = sorted([*live, *obstacles, *moved])
+        ids, rows = np.array(listed, np.int64), self._world.motions(listed)
+        check_finite(ids, rows)
+        turned: list[int] = []
+        if obstacles:
+            known = np.array([body in obstacles for body in listed], np.bool_)
+            poses = rows[known, POSE]
+            if not np.array_equal(poses, self._obstacle_poses):
+                turned = turned_bodies(obstacles, ids[known], poses, self._obstacle_ids, self._obstacle_poses)
+                self._obstacle_ids, self._obstacle_poses, self._calm_s = ids[known], poses, 0.0
+            self._calm_s += self._dt
+        self._ids, self._rows = ids, rows
+        self._bodies.shapes.place(listed, rows[:, POSE])
+        return turned
+
+    def _may_omit_obstacles(self) -> bool:
+        """Return True if no obstacle has moved for ``CALM_S``; read static obstacles in the frames of looks only."""
+        bodies = self._bodies
+        if not bodies.obstacles:
+            return True
+        if self._calm_s <= CALM_S:
+            return False
+        if not (bodies.has_looked or bodies.kinematic or bodies.movers):
+            return True
+        poses = self._world.motions(sorted(bodies.obstacles))[:, POSE]
+        return np.array_equal(poses, self._obstacle_poses)
+
+    def _with_movers(self) -> tuple[IntArray, FloatArray]:
+        """Return the ids (n,) and motions (n, 13) of the bodies read, and of the movers, which may strike next."""
+        movers = sorted(self._bodies.movers.difference(self._ids.tolist()))
+        if not movers:
+            return self._ids, self._rows
+        ids = np.concatenate([self._ids, np.array(movers, np.int64)])
+        order = np.argsort(ids)
+        return ids[order], np.concatenate([self._rows, self._world.motions(movers)])[order]
+
+    def _borne_forces(self, before: Motions) -> tuple[IntArray, FloatArray]:
+        """Return the live bodies (m,) of this and the previous frame, and the sum (m, 3) [N] of their contact forces.
+
+        The forces follow from the changes of the bodies' momentum.
+        """
+        live = np.array([body in self._bodies.live for body in self._ids.tolist()], np.bool_)
+        at, is_known = rows_of_ids(before.body, self._ids)
+        rows = np.flatnonzero(live & is_known)
+        bodies = self._ids[rows]
+        mass = np.array([self._bodies.live[body] for body in bodies.tolist()], np.float64)[:, None]
+        gained = self._rows[rows, VELOCITY] - before.linear[0, at[rows]]
+        return bodies, mass * (gained / self._dt - np.array(self.gravity()))

@@ -1,0 +1,120 @@
+"""``FreeBodyWorld``: what ``FreeBodyPort`` reads and controls of an engine's world of rigid bodies."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Collection, Sequence, Set
+from typing import ClassVar, NamedTuple, TypeAlias
+
+from stability_core.port import FloatArray, IntArray
+from stability_core.ports.shared.shapes import Solid
+
+Vector: TypeAlias = tuple[float, float, float]
+Concerns: TypeAlias = Callable[[int, int], bool]
+"""Function that returns True if the port needs the contacts of two bodies."""
+
+
+class Touching(NamedTuple):
+    """Contact points of an engine, n in all."""
+
+    body_a: IntArray
+    """Ids of bodies a, shape (n,)."""
+    body_b: IntArray
+    """Ids of bodies b, shape (n,)."""
+    point: FloatArray
+    """Points [m] in the world's frame, shape (n, 3)."""
+    normal: FloatArray
+    """Unit normals from a to b, shape (n, 3)."""
+    separation: FloatArray
+    """Separations [m], shape (n,)."""
+    friction: FloatArray
+    """Coefficients of the pairs, shape (n,)."""
+    force: FloatArray
+    """Normal forces [N] on b, shape (n, 3)."""
+
+
+class FreeBodyWorld(ABC):
+    """A user's world. Each of its bodies has an id, which the engine never gives to another body."""
+
+    engine: ClassVar[str]
+    """Name of the engine in messages."""
+    setter: ClassVar[str]
+    """Attribute by which a user sets the step, in messages."""
+    ids_from: ClassVar[str]
+    """Expression that gives a user the id of a body, in messages."""
+
+    @abstractmethod
+    def gravity(self) -> Vector:
+        """Return the world's gravity [m/s2]."""
+
+    @abstractmethod
+    def step_s(self) -> float:
+        """Return the time [s] of one step."""
+
+    def check(self) -> None:  # noqa: B027 # few engines report it
+        """Raise ``ValueError`` if the engine itself reports that the simulation has diverged."""
+
+    def rest(self) -> None:  # noqa: B027 # few engines need it
+        """Make the engine's steps skip the frozen bodies. The port calls this at times while no body is live."""
+
+    @abstractmethod
+    def has_changed(self) -> bool:
+        """Return True if bodies have come or gone since the previous call. ``bodies`` then returns the new ones."""
+
+    def can_read(self, bodies: Collection[int]) -> bool:
+        """Return True if the motions of bodies can be read without a call of ``has_changed``, at little cost."""
+        return not bodies
+
+    @abstractmethod
+    def bodies(self) -> list[int]:
+        """Return the ids of the bodies of the world at the latest ``has_changed``."""
+
+    @abstractmethod
+    def reason_against(self, body: int) -> str | None:
+        """Return why a body that is not frozen cannot freeze, and the fix; None if it can."""
+
+    @abstractmethod
+    def mass(self, body: int) -> float:
+        """Return the mass [kg] of a live body."""
+
+    @abstractmethod
+    def solid(self, body: int) -> Solid | None:
+        """Return the shape of a body, relative to its centre of mass; None if it is round, concave or compound."""
+
+    @abstractmethod
+    def motions(self, bodies: list[int]) -> FloatArray:
+        """Return the motions of bodies in the columns of ``body_motions``, shape (n, 13)."""
+
+    @abstractmethod
+    def box(self, body: int) -> Sequence[float] | FloatArray:
+        """Return the lower, then the upper corner [m] of the box around a body, along the world's axes, shape (6,)."""
+
+    @abstractmethod
+    def is_kinematic(self, body: int) -> bool:
+        """Return True if the user moves the body, and the engine lists no contact with a frozen body."""
+
+    @abstractmethod
+    def is_mover(self, body: int) -> bool:
+        """Return True if a body that the port does not control moves by forces: a link of a robot, a free body."""
+
+    @abstractmethod
+    def freeze(self, body: int) -> None:
+        """Freeze a live body exactly where it is."""
+
+    @abstractmethod
+    def unfreeze(self, body: int) -> None:
+        """Make a frozen body live, at rest."""
+
+    @abstractmethod
+    def step_contacts(self, concerns: Concerns, bodies: Set[int]) -> Touching:
+        """Return the contacts of the latest step that ``concerns`` names.
+
+        Args:
+            concerns: whether the port needs the contacts of two bodies.
+            bodies: the live bodies and the movers, to one of which each of these contacts belongs, for engines that
+                list the contacts of one body.
+        """
+
+    @abstractmethod
+    def present_contacts(self, concerns: Concerns, bodies: Set[int]) -> Touching:
+        """Return the contacts of the present poses that ``concerns`` names, without a change of the world."""
