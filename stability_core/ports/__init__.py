@@ -20,9 +20,11 @@ from stability_core.settings import Settings
 
 __all__ = ["Attachment", "ObjectAttachment", "attach", "warm_up"]
 
-ENGINES = {"pybullet": "pybullet", "mujoco": "mujoco", "pymunk": "pymunk"}
+ENGINES = {"pybullet": "pybullet", "mujoco": "mujoco", "pymunk": "pymunk", "dart": "dartpy"}
 """Python package of each engine, by the name of its port and of the wheel's extra."""
-WITH_OBJECTS = ("pymunk",)
+_PORT_OF = {package: name for name, package in ENGINES.items()} | {"pybullet_utils": "pybullet"}
+"""Name of the port, by the package in which the class of a world is defined."""
+WITH_OBJECTS = ("pymunk", "dart")
 """Ports of engines whose bodies are objects without numbers."""
 
 
@@ -38,14 +40,15 @@ def attach(
     settings.
 
     Args:
-        world: PyBullet's client id (an integer) or client object; MuJoCo's ``MjData``; pymunk's ``Space``.
-        bodies: the engine's ids of the bodies to control, or pymunk's bodies; None for all bodies that can freeze, now
-            and later.
+        world: PyBullet's client id (an integer) or client object; MuJoCo's ``MjData``; pymunk's ``Space``; DART's
+            ``World``.
+        bodies: the engine's ids of the bodies to control, or pymunk's bodies, or DART's skeletons; None for all bodies
+            that can freeze, now and later.
         policy: a name of ``POLICIES``, or a policy of your own.
         settings: the tolerances.
 
     Returns:
-        The attachment; for pymunk an ``ObjectAttachment``, whose methods accept bodies.
+        The attachment; for pymunk and DART an ``ObjectAttachment``, whose methods accept bodies.
 
     Raises:
         TypeError: if the world is of no known engine.
@@ -81,11 +84,11 @@ def _engine_of(world: object) -> str:
     package = type(world).__module__.split(".")[0]
     if isinstance(world, int) and not isinstance(world, bool):
         return "pybullet"
-    if package in ENGINES or package == "pybullet_utils":
-        return "pybullet" if package == "pybullet_utils" else package
+    if package in _PORT_OF:
+        return _PORT_OF[package]
     raise TypeError(
         f"attach() cannot use {type(world).__qualname__} from {package}: pass PyBullet's client id, MuJoCo's "
-        "MjData, or pymunk's Space; for another engine write a port, see the tutorial"
+        "MjData, pymunk's Space, or DART's World; for another engine write a port, see the tutorial"
     )
 
 

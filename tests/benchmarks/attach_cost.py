@@ -11,78 +11,33 @@ from __future__ import annotations
 
 import statistics
 import sys
-import time
-from abc import ABC, abstractmethod
 from typing import Any, NamedTuple
 
 from adapters import open_engine
 from scenarios.model import Brick, World
 from stability_core import StabilityExtension
 from stability_core.ports import attach
+from tests.benchmarks.attached.side import (
+    ABOVE,
+    FRAME_S,
+    FRICTION,
+    FROZEN,
+    MASS,
+    PARKED,
+    PARKED_IN_PLANE,
+    SIZE,
+    Side,
+    place,
+    place_in_plane,
+)
 
-ENGINES = ("pybullet", "mujoco", "pymunk")
-SUITE = {"pybullet": "bullet", "mujoco": "mujoco", "pymunk": "pymunk"}
+ENGINES = ("pybullet", "mujoco", "pymunk", "dart")
+SUITE = {"pybullet": "bullet", "mujoco": "mujoco", "pymunk": "pymunk", "dart": "dart"}
 """The suite's name of each engine."""
-SIZE, MASS = (0.117, 0.0234, 0.0078), 0.0119
-FROZEN = 100
-FRAME_S = 1 / 60
 FRAMES = 60
 """Frames of a round: a frame counts as landing while the plank is live in both worlds, as quiet once it is frozen in
 both."""
 ROUNDS = 12
-PARKED = (3.5, 0.0, SIZE[2] / 2)
-FRICTION = 0.45
-
-
-def place(index: int) -> tuple[float, float, float]:
-    """Return the place of a plank in a grid on the ground [m]."""
-    row, column = divmod(index, 20)
-    return 0.15 * column, 0.05 * row, SIZE[2] / 2
-
-
-def place_in_plane(index: int) -> tuple[float, float, float]:
-    """Return the place of a plank in a row on the ground of a planar engine [m]."""
-    return 0.15 * index, 0.0, SIZE[2] / 2
-
-
-PARKED_IN_PLANE = (-1.0, 0.0, SIZE[2] / 2)
-ABOVE = (0.0, 0.0, 1.5 * SIZE[2] + 5e-4)
-
-
-class Side(ABC):
-    """One of two worlds that take turns."""
-
-    extension: StabilityExtension
-    falling: int
-
-    def build(self) -> None:
-        """Freeze the planks of the grid."""
-        self.frames(60)
-        assert len(self.extension.frozen) == FROZEN + 1, len(self.extension.frozen)
-
-    def frames(self, count: int) -> None:
-        """Play some frames."""
-        for _ in range(count):
-            self.frame()
-
-    def frame(self) -> int:
-        """Play a frame; return its CPU time [ns]."""
-        start = time.thread_time_ns()
-        self.step()
-        self.extension.update(FRAME_S)
-        return time.thread_time_ns() - start
-
-    def is_quiet(self) -> bool:
-        """Return True if the loose plank is frozen."""
-        return self.extension.why(self.falling).startswith("frozen")
-
-    @abstractmethod
-    def step(self) -> None:
-        """Make the engine's steps of a frame."""
-
-    @abstractmethod
-    def drop(self) -> None:
-        """Let the loose plank fall on the first plank of the grid."""
 
 
 class Adapter(Side):
@@ -170,45 +125,6 @@ class AttachedMujoco(Side):
         self.data.qvel[6 * FROZEN :] = 0.0
 
 
-class AttachedPymunk(Side):
-    """A user's space of pymunk in millimetres, as in the suite's adapter, with one step a frame.
-
-    The planks lie side by side, because the space is a plane. A landing plank lands on the first of them.
-    """
-
-    def __init__(self) -> None:
-        import pymunk
-
-        self.pymunk, self.space = pymunk, pymunk.Space()
-        self.space.gravity = 0.0, -9810.0
-        floor = pymunk.Poly(self.space.static_body, [(-20000, -1000), (20000, -1000), (20000, 0), (-20000, 0)])
-        floor.friction = FRICTION**0.5
-        self.space.add(floor)
-        for index in range(FROZEN):
-            self._add(place_in_plane(index))
-        self.plank = self._add(PARKED_IN_PLANE)
-        self.extension = attach(self.space)
-        self.falling = self.extension.id_of(self.plank)
-        self.build()
-
-    def _add(self, position: tuple[float, ...]) -> Any:
-        width, height = 1e3 * SIZE[0], 1e3 * SIZE[2]
-        body = self.pymunk.Body(MASS, self.pymunk.moment_for_box(MASS, (width, height)))
-        body.position = 1e3 * position[0], 1e3 * position[2]
-        shape = self.pymunk.Poly.create_box(body, (width, height))
-        shape.friction = FRICTION**0.5
-        self.space.add(body, shape)
-        return body
-
-    def step(self) -> None:
-        self.space.step(FRAME_S)
-
-    def drop(self) -> None:
-        self.extension.wake([self.falling])
-        self.plank.position, self.plank.angle = (1e3 * ABOVE[0], 1e3 * ABOVE[2]), 0.0
-        self.plank.velocity, self.plank.angular_velocity = (0.0, 0.0), 0.0
-
-
 class Cost(NamedTuple):
     """Median CPU times of a frame [us], with ``attach`` and with the suite's adapter."""
 
@@ -224,12 +140,19 @@ class Cost(NamedTuple):
 def open_sides(engine: str) -> tuple[Side, Adapter]:
     """Open a user's world and the suite's world with the same planks."""
     adapter = Adapter(engine)
+    steps = adapter.simulation.info.profile.substeps
     match engine:
         case "pybullet":
             return AttachedPybullet(), adapter
         case "mujoco":
-            return AttachedMujoco(adapter.simulation.info.profile.substeps), adapter
+            return AttachedMujoco(steps), adapter
+        case "dart":
+            from tests.benchmarks.attached.dart_world import AttachedDart
+
+            return AttachedDart(steps), adapter
         case _:
+            from tests.benchmarks.attached.pymunk_world import AttachedPymunk
+
             return AttachedPymunk(), adapter
 
 

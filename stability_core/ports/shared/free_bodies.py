@@ -12,9 +12,9 @@ from stability_core.ports.shared.free_body_world import FreeBodyWorld
 from stability_core.ports.shared.shapes import ShapeTable
 
 LOOK_S = 0.1
-"""Time [s] between two looks at the places of frozen and of static bodies. The port lists the bodies of a world with the same delay
-where the engine has a cheaper way to see that they are the same: a list of a hundred bodies costs half as much as the
-engine's step of frozen bodies."""
+"""Time [s] between two looks at the places of frozen and of static bodies. The port lists the bodies of a world with
+the same delay if the engine has a cheaper way to see that they are the same: a list of a hundred bodies costs half as
+much as the engine's step of frozen bodies."""
 AT_A_LOOK = 5
 """Greatest number of frozen bodies whose places the port checks at a look, because some engines read body by body."""
 BESIDE = 1e-3
@@ -174,7 +174,7 @@ class FreeBodies:
     # -- helpers --------------------------------------------------------------------------------------
 
     def _find_moved(self) -> None:
-        """Set ``moved`` to those of the next frozen bodies, in turn, whose poses differ from those at which they froze."""
+        """Set ``moved`` to the next frozen bodies, in turn, whose poses differ from those at which they froze."""
         if not self._unseen:
             self._unseen = [*self.frozen]
         frozen = [body for body in self._unseen[:AT_A_LOOK] if body in self.frozen]

@@ -73,11 +73,13 @@ class FreeBodyPort:
         Raises:
             ValueError: if the world contradicts ``dt``, or a pose is not finite.
         """
-        check_steps(dt, self._world.step_s(), self.engine, self._world.setter)
-        self._world.check()
-        self._flight.check()
+        leaving = self._bodies.look(dt)
+        if self._bodies.live or self._bodies.has_looked:
+            check_steps(dt, self._world.step_s(), self.engine, self._world.setter)
+            self._world.check()
+            self._flight.check()
         self._dt = dt
-        self.remove(self._bodies.look(dt))
+        self.remove(leaving)
         return [*self._read_motions(), *self._bodies.beside_kinematic()]
 
     def add(self, bodies: Iterable[int]) -> None:
