@@ -4,11 +4,9 @@ An LCP is a linear complementarity problem; a boxed LCP also has bounds for the 
 
 Mechanisms:
 
-- Freeze: ``resetVelocities``, then ``setMobile(False)``. DART leaves an immobile skeleton out of integration and of the
-  contact problem, so that it drifts by exactly zero and costs almost nothing. DART lists no contacts between two
-  immobile skeletons.
+- Freeze: an immobile skeleton (``stability_core.ports.dart_calls``), which costs almost nothing.
 - Contacts: a step of DART collides first, then solves, then moves, so that the contacts belong to the poses before the
-  latest substep. DART's normal points from object 2 to object 1, so that object 2 is the suite's body a.
+  latest substep.
 - Friction: the coefficient of a pair is the smaller of both bodies' coefficients, and every body has the world's
   coefficient. The law is a box: along the diagonal of the two tangents, friction reaches sqrt(2) mu times the normal
   force. DART chooses the tangents: no call in Python turns them, but a small tilt of the normal may turn them.
@@ -39,14 +37,13 @@ Traps:
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import dartpy
 import numpy as np
 
-from adapters._dart_contacts import CollisionObjects, forces_of, geometry_of
 from adapters._dart_coordinates import coordinates_of, quaternions_of
 from adapters._dart_settings import HAS_DEACTIVATION, KNOBS, MISSING_KNOBS
 from adapters._dart_world import DartWorld
@@ -57,6 +54,13 @@ from adapters.shared.live_pairs import of_live
 from adapters.substeps import SubstepSimulation
 from scenarios.model import Brick, Quaternion, Vector
 from stability_core.port import Contacts, FloatArray, IntArray
+from stability_core.ports.dart_calls import (
+    CollisionObjects,
+    forces_of,
+    freeze,
+    geometry_of,
+    unfreeze,
+)
 
 _SETTINGS = load_settings("dart", KNOBS.__contains__, missing=MISSING_KNOBS)
 
@@ -91,7 +95,7 @@ class DartSimulation(SubstepSimulation):
             raise NotImplementedError(f"DART {self.info.version} has no sleeping of its own")
         self._engine = DartWorld(self.world, self.info.profile, self.expected)
         self._joints = self._engine.joints
-        self._objects = CollisionObjects()
+        self._objects = CollisionObjects(lambda shape: int(shape.getSkeleton().getName()))
         self._latest: Contacts | None = None  # contacts of the latest step; None until they are read
         for body, box in self._fixed_boxes():  # a box, because box on box gives the best manifolds
             self._engine.add_fixed(body, box)
@@ -108,7 +112,7 @@ class DartSimulation(SubstepSimulation):
         self._engine.add_moved(body, brick)
 
     def _remove(self, body: int) -> None:
-        self._latest = self._read_contacts(self._engine.world.getLastCollisionResult())
+        self._latest = self._read_contacts(self._listed())
         self._objects.forget(body)
         self._engine.remove(body)
 
@@ -147,7 +151,7 @@ class DartSimulation(SubstepSimulation):
             self._engine.world.setTimeStep(substep_s)
 
     def _forces_of_substep(self) -> SubstepForces:
-        contacts = self._engine.world.getLastCollisionResult().getContacts()
+        contacts = self._listed()
         return SubstepForces(*self._objects.pairs_of(contacts), forces_of(contacts))
 
     def _substep(self) -> None:
@@ -175,22 +179,20 @@ class DartSimulation(SubstepSimulation):
     # -- called by the port ---------------------------------------------------------------------------
 
     def _freeze(self, body: int) -> None:
-        self._joints[body].resetVelocities()
-        self._engine.skeletons[body].setMobile(False)
+        freeze(self._engine.skeletons[body])
 
     def _unfreeze(self, body: int) -> None:
-        self._joints[body].resetVelocities()
-        self._engine.skeletons[body].setMobile(True)
+        unfreeze(self._engine.skeletons[body])
 
     def _contacts(self) -> Contacts:
         if self._latest is None:
-            self._latest = self._read_contacts(self._engine.world.getLastCollisionResult())
+            self._latest = self._read_contacts(self._listed())
         return of_live(self._latest, self.bodies)
 
     def _find_contacts(self) -> Contacts:
         solver, result = self._engine.world.getConstraintSolver(), dartpy.collision.CollisionResult()
         solver.getCollisionGroup().collide(solver.getCollisionOption(), result)
-        return self._read_contacts(result)
+        return self._read_contacts(result.getContacts())
 
     # -- the end --------------------------------------------------------------------------------------
 
@@ -200,9 +202,13 @@ class DartSimulation(SubstepSimulation):
 
     # -- helpers --------------------------------------------------------------------------------------
 
-    def _read_contacts(self, result: Any) -> Contacts:
-        """Return all contacts of a collision result, including contacts of frozen and of removed bodies."""
-        contacts = result.getContacts()
+    def _listed(self) -> Sequence[Any]:
+        """Return DART's contacts of the latest substep."""
+        contacts: Sequence[Any] = self._engine.world.getLastCollisionResult().getContacts()
+        return contacts
+
+    def _read_contacts(self, contacts: Sequence[Any]) -> Contacts:
+        """Return all contacts that DART lists, including contacts of frozen and of removed bodies."""
         if not contacts:
             return Contacts.empty()
         force = forces_of(contacts) if self.reads_forces else None

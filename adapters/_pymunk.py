@@ -7,16 +7,13 @@ the thickness of a plank.
 Angle: a positive angle of Chipmunk turns +x towards its second axis, the scene's +z. A rotation about +y turns +z
 towards +x, so that the two angles differ in sign.
 
-Freezing: a frozen brick is a static body. A body that becomes dynamic again has lost its mass and moment of inertia, so
-that the adapter sets both. A static body also keeps the pending correction of its overlap (``v_bias``), which would
-move the body after it is unfrozen; the adapter clears the correction by an integration over a time of 0.
+Freezing: a frozen brick is a static body (``stability_core.ports.pymunk_calls``). A body that becomes dynamic again has
+lost its mass and moment of inertia, so that the adapter sets both.
 
 Contacts: Chipmunk lists overlapping pairs, with at most two points, and no pair across a gap. A brick at rest overlaps
-its support by the slop, so that its contacts stay listed. Chipmunk's record of a pair is an arbiter. Chipmunk keeps the
-arbiters of two static bodies for ever, with points in memory that other contacts soon reuse; the adapter removes and
-adds the shape of a newly frozen body again, which deletes the body's arbiters. The order of arbiters and of ``Body.id``
-depends on memory addresses: the adapter sorts both, so that runs repeat. A point in the plane represents a line across
-the bricks' depth, and the adapter reports both ends of that line.
+its support by the slop, so that its contacts stay listed. Chipmunk's record of a pair is an arbiter. The order of
+arbiters and of ``Body.id`` depends on memory addresses: the adapter sorts both, so that runs repeat. A point in the
+plane represents a line across the bricks' depth, and the adapter reports both ends of that line.
 
 ``find_contacts`` runs Chipmunk's shape query for each live brick. The query detects contacts as a step does, but
 creates no arbiters and changes nothing. Between corners that meet, rounding determines the query's normals, with errors
@@ -27,10 +24,7 @@ of its own, else of the world's. Restitution likewise.
 
 Shapes: a sphere is a circle with a sphere's inertia; a polyhedron must be a prism with its axis along y.
 
-Traps:
-
-- ``Body.sleep()`` on a part of an island corrupts memory.
-- A change of the body type in a callback aborts the process.
+Trap: ``Body.sleep()`` on a part of an island corrupts memory.
 """
 
 from __future__ import annotations
@@ -41,7 +35,6 @@ from dataclasses import replace
 import numpy as np
 import pymunk
 
-from adapters._pymunk_contacts import lift_contacts
 from adapters._pymunk_plane import UNITS_PER_METRE, lift
 from adapters._pymunk_world import PymunkWorld
 from adapters.profile import Capabilities, KnobValue
@@ -49,6 +42,7 @@ from adapters.profile_files import load_settings
 from adapters.substeps import SubstepSimulation
 from scenarios.model import Brick, Quaternion, Vector
 from stability_core.port import Contacts, FloatArray, IntArray
+from stability_core.ports.pymunk_contacts import lift_contacts
 
 _SETTINGS = load_settings("pymunk", lambda name: isinstance(getattr(pymunk.Space, name, None), property))
 

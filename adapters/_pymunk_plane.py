@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import pymunk
 
 from scenarios.model import Brick, Quaternion, Vector
 from scenarios.shapes import Polyhedron
@@ -60,10 +59,3 @@ def lift(planar: FloatArray) -> FloatArray:
     vectors = np.zeros((len(planar), 3))
     vectors[:, ::2] = planar
     return vectors
-
-
-def halt(planar: pymunk.Body) -> None:
-    """Stop a body, and clear the pending correction of its overlap, which would move the body in its next step."""
-    planar.velocity = 0.0, 0.0
-    planar.angular_velocity = 0.0
-    pymunk.Body.update_position(planar, 0.0)

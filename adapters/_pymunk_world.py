@@ -7,13 +7,14 @@ import math
 import numpy as np
 import pymunk
 
-from adapters._pymunk_plane import UNITS_PER_METRE, halt, in_plane, moment, outline, planar_gravity
-from adapters._pymunk_reader import SpaceReader
+from adapters._pymunk_plane import UNITS_PER_METRE, in_plane, moment, outline, planar_gravity
 from adapters.profile import Profile
 from scenarios.model import Brick, Quaternion, Vector, World
 from scenarios.shapes import Polyhedron
 from scenarios.solids import friction_of, restitution_of
 from stability_core.port import GROUND, FloatArray
+from stability_core.ports.pymunk_calls import forget_pairs, freeze, halt, unfreeze
+from stability_core.ports.pymunk_reader import SpaceReader
 
 MIN_GROUND_WIDTH = 20.0
 """Least width [m] of the ground, so that all scenes but the largest have the same ground. The width matters, because
@@ -74,17 +75,13 @@ class PymunkWorld:
 
     def freeze(self, body: int) -> None:
         """Stop a body, and make it static."""
-        planar = self.bodies[body]
-        halt(planar)
-        planar.body_type = pymunk.Body.STATIC
+        freeze(self.bodies[body])
         self._new_statics.append(body)
         self.reader.note_change()
 
     def unfreeze(self, body: int, brick: Brick) -> None:
         """Make a static body dynamic again, and set its mass and moment of inertia, which Chipmunk has dropped."""
-        planar = self.bodies[body]
-        planar.body_type = pymunk.Body.DYNAMIC
-        planar.mass, planar.moment = brick.mass, moment(brick)
+        unfreeze(self.bodies[body], brick.mass, moment(brick))
 
     def forget_static_pairs(self) -> None:
         """Delete the arbiters of newly frozen bodies, because Chipmunk would keep and list these arbiters for ever.
@@ -94,9 +91,7 @@ class PymunkWorld:
         for body in self._new_statics:
             planar = self.bodies.get(body)
             if planar is not None and planar.body_type == pymunk.Body.STATIC:
-                shapes = planar.shapes
-                self.space.remove(*shapes)
-                self.space.add(*shapes)
+                forget_pairs(self.space, planar)
         self._new_statics.clear()
 
     def step(self, seconds: float) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 DOCS = Path(__file__).parent.parent / "docs"
-EXAMPLES = ("pybullet_tower", "mujoco_gripper", "gymnasium_stacking")
+EXAMPLES = ("pybullet_tower", "mujoco_gripper", "gymnasium_stacking", "pymunk_toy")
 
 
 def example(name: str) -> dict[str, Any]:
@@ -29,6 +29,26 @@ def test_a_tower_in_pybullet_freezes_one_by_one_and_prebuilt() -> None:
     tower = example("pybullet_tower")
     assert tower["one_a_second"](2) == [1, 2]
     assert tower["prebuilt"](8) == list(range(1, 9))
+
+
+def test_a_ball_unfreezes_the_top_of_a_tower_in_pymunk_and_not_its_foot(monkeypatch) -> None:
+    """The ball strikes the last of eight blocks, and drives it on by half a block at least."""
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    pygame = pytest.importorskip("pygame")
+    toy, screen = example("pymunk_toy")["Toy"](), pygame.Surface((640, 400))
+    blocks = []
+    for level in range(8):
+        blocks.append(toy.add_block(300, 380 - (level + 0.55) * 20))
+        toy.play(60)
+    toy.draw(screen)
+    assert [toy.extension.body_of(body) for body in toy.extension.frozen] == blocks
+    assert screen.get_at((300, 370)) == pygame.Color("peru")
+    toy.throw_ball(270, 229)
+    toy.play(36)
+    toy.draw(screen)
+    assert blocks[7].position.x > 330
+    assert screen.get_at(tuple(map(round, blocks[7].position))) == pygame.Color("orange")
+    assert screen.get_at((300, 370)) == pygame.Color("peru")
 
 
 @pytest.mark.slow

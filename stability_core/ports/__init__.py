@@ -14,20 +14,30 @@ from typing import Any
 from stability_core import extension
 from stability_core.policies import Policy
 from stability_core.ports.attachment import Attachment
+from stability_core.ports.object_attachment import ObjectAttachment
 from stability_core.ports.shared.shapes import compile_kernels
 from stability_core.settings import Settings
 
-__all__ = ["Attachment", "attach", "warm_up"]
+__all__ = ["Attachment", "ObjectAttachment", "attach", "warm_up"]
 
-ENGINES = {"pybullet": "pybullet", "mujoco": "mujoco", "sapien": "sapien", "rapier": "rapier3d"}
+ENGINES = {
+    "pybullet": "pybullet",
+    "mujoco": "mujoco",
+    "sapien": "sapien",
+    "rapier": "rapier3d",
+    "pymunk": "pymunk",
+    "dart": "dartpy",
+}
 """Python package of each engine, by the name of its port and of the wheel's extra."""
 _PORT_OF = {package: name for name, package in ENGINES.items()} | {"pybullet_utils": "pybullet"}
 """Name of the port, by the package in which the class of a world is defined."""
+WITH_OBJECTS = ("pymunk", "dart")
+"""Ports of engines whose bodies are objects without numbers."""
 
 
 def attach(
     world: Any,
-    bodies: Collection[int] | None = None,
+    bodies: Collection[Any] | None = None,
     policy: str | Policy = "equilibrium",
     settings: Settings | None = None,
 ) -> Attachment:
@@ -38,10 +48,14 @@ def attach(
 
     Args:
         world: PyBullet's client id (an integer) or client object; MuJoCo's ``MjData``; SAPIEN's ``Scene`` or its
-            ``physx_system``; Rapier's ``PhysicsWorld``.
-        bodies: the engine's ids of the bodies to control; None for all bodies that can freeze, now and later.
+            ``physx_system``; Rapier's ``PhysicsWorld``; pymunk's ``Space``; DART's ``World``.
+        bodies: the engine's ids of the bodies to control, or pymunk's bodies, or DART's skeletons; None for all bodies
+            that can freeze, now and later.
         policy: a name of ``POLICIES``, or a policy of your own.
         settings: the tolerances.
+
+    Returns:
+        The attachment; for pymunk and DART an ``ObjectAttachment``, whose methods accept bodies.
 
     Raises:
         TypeError: if the world is of no known engine.
@@ -50,7 +64,8 @@ def attach(
         RuntimeError: if the world has an open attachment.
     """
     name = _engine_of(world)
-    return Attachment(_module(name).open_port(world, bodies), policy, settings)
+    kind = ObjectAttachment if name in WITH_OBJECTS else Attachment
+    return kind(_module(name).open_port(world, bodies), policy, settings)
 
 
 def warm_up(policy: str = "equilibrium") -> float:
@@ -80,7 +95,8 @@ def _engine_of(world: object) -> str:
         return _PORT_OF[package]
     raise TypeError(
         f"attach() cannot use {type(world).__qualname__} from {package}: pass PyBullet's client id, MuJoCo's MjData, "
-        "SAPIEN's Scene or Rapier's PhysicsWorld; for another engine write a port, see the tutorial"
+        "SAPIEN's Scene, Rapier's PhysicsWorld, pymunk's Space or DART's World; for another engine write a port, "
+        "see the tutorial"
     )
 
 

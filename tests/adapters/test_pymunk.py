@@ -8,8 +8,8 @@ from pymunk import batch
 
 from adapters import open_engine
 from adapters._pymunk import PymunkSimulation
-from adapters._pymunk_contacts import lift_contacts
 from scenarios.model import Brick, Quaternion, Vector, World
+from stability_core.ports.pymunk_contacts import lift_contacts
 
 LENGTH, DEPTH, THICKNESS = 0.117, 0.0234, 0.0078
 FRAME = 1 / 60

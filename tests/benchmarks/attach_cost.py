@@ -11,79 +11,48 @@ from __future__ import annotations
 
 import statistics
 import sys
-import time
-from abc import ABC, abstractmethod
 from typing import Any, NamedTuple
 
 from adapters import open_engine
 from scenarios.model import Brick, World
 from stability_core import StabilityExtension
 from stability_core.ports import attach
+from tests.benchmarks.attached.side import (
+    ABOVE,
+    FRAME_S,
+    FRICTION,
+    FROZEN,
+    MASS,
+    PARKED,
+    PARKED_IN_PLANE,
+    SIZE,
+    Side,
+    place,
+    place_in_plane,
+)
 
-ENGINES = ("pybullet", "mujoco", "sapien", "rapier")
-SUITE = {"pybullet": "bullet", "mujoco": "mujoco", "sapien": "physx", "rapier": "rapier"}
+SUITE = {
+    "pybullet": "bullet",
+    "mujoco": "mujoco",
+    "sapien": "physx",
+    "rapier": "rapier",
+    "pymunk": "pymunk",
+    "dart": "dart",
+}
 """The suite's name of each engine."""
-SIZE, MASS = (0.117, 0.0234, 0.0078), 0.0119
-FROZEN = 100
-FRAME_S = 1 / 60
 FRAMES = 60
 """Frames of a round: a frame counts as landing while the plank is live in both worlds, as quiet once it is frozen in
 both."""
 ROUNDS = 12
-PARKED = (3.5, 0.0, SIZE[2] / 2)
-FRICTION = 0.45
-
-
-def place(index: int) -> tuple[float, float, float]:
-    """Return the place of a plank in a grid on the ground [m]."""
-    row, column = divmod(index, 20)
-    return 0.15 * column, 0.05 * row, SIZE[2] / 2
-
-
-ABOVE = (0.0, 0.0, 1.5 * SIZE[2] + 5e-4)
-
-
-class Side(ABC):
-    """One of two worlds that take turns."""
-
-    extension: StabilityExtension
-    falling: int
-
-    def build(self) -> None:
-        """Freeze the planks of the grid."""
-        self.frames(60)
-        assert len(self.extension.frozen) == FROZEN + 1, len(self.extension.frozen)
-
-    def frames(self, count: int) -> None:
-        """Play some frames."""
-        for _ in range(count):
-            self.frame()
-
-    def frame(self) -> int:
-        """Play a frame; return its CPU time [ns]."""
-        start = time.thread_time_ns()
-        self.step()
-        self.extension.update(FRAME_S)
-        return time.thread_time_ns() - start
-
-    def is_quiet(self) -> bool:
-        """Return True if the loose plank is frozen."""
-        return self.extension.why(self.falling).startswith("frozen")
-
-    @abstractmethod
-    def step(self) -> None:
-        """Make the engine's steps of a frame."""
-
-    @abstractmethod
-    def drop(self) -> None:
-        """Let the loose plank fall on the first plank of the grid."""
 
 
 class Adapter(Side):
     """The suite's adapter of an engine."""
 
     def __init__(self, engine: str) -> None:
-        bricks = [Brick(SIZE, MASS, place(index)) for index in range(FROZEN)] + [Brick(SIZE, MASS, PARKED)]
+        planar = engine == "pymunk"
+        places = [*map(place_in_plane if planar else place, range(FROZEN)), PARKED_IN_PLANE if planar else PARKED]
+        bricks = [Brick(SIZE, MASS, position) for position in places]
         self.simulation = open_engine(SUITE[engine], "default", world=World(friction=FRICTION), expected=bricks)
         self.extension = StabilityExtension(self.simulation.port, "equilibrium")
         self.falling = [self.simulation.spawn(brick) for brick in bricks][-1]
@@ -162,80 +131,6 @@ class AttachedMujoco(Side):
         self.data.qvel[6 * FROZEN :] = 0.0
 
 
-class AttachedSapien(Side):
-    """A user's scene of SAPIEN, with as many steps a frame as the suite's profile ``default``."""
-
-    def __init__(self, steps: int) -> None:
-        import sapien
-        from sapien import physx
-
-        self.sapien, self.physx, self.steps = sapien, physx, steps
-        self.scene = sapien.Scene([physx.PhysxCpuSystem()])
-        self.scene.set_timestep(FRAME_S / steps)
-        self.material = physx.PhysxMaterial(FRICTION, FRICTION, 0.0)
-        self.scene.add_ground(0, render=False, material=self.material)
-        for index in range(FROZEN):
-            self._add(place(index))
-        self.plank = self._add(PARKED)
-        self.falling = self.plank.entity.per_scene_id
-        self.extension = attach(self.scene)
-        self.build()
-
-    def _add(self, position: tuple[float, ...]) -> Any:
-        builder = self.scene.create_actor_builder()
-        half = [edge / 2 for edge in SIZE]
-        builder.add_box_collision(half_size=half, material=self.material, density=MASS / (SIZE[0] * SIZE[1] * SIZE[2]))
-        entity = builder.build()
-        entity.pose = self.sapien.Pose(position)
-        return entity.find_component_by_type(self.physx.PhysxRigidDynamicComponent)
-
-    def step(self) -> None:
-        for _ in range(self.steps):
-            self.scene.step()
-
-    def drop(self) -> None:
-        self.extension.wake([self.falling])
-        self.plank.entity.pose = self.sapien.Pose(ABOVE)
-        self.plank.linear_velocity = self.plank.angular_velocity = (0.0, 0.0, 0.0)
-
-
-class AttachedRapier(Side):
-    """A user's world of Rapier, with the settings of the suite's profile ``default``."""
-
-    def __init__(self, steps: int) -> None:
-        import rapier3d
-
-        from stability_core.ports.rapier import id_of
-
-        self.rapier, self.steps = rapier3d, steps
-        self.world = rapier3d.PhysicsWorld(gravity=(0.0, 0.0, -9.81))
-        self.world.set_num_threads(1)
-        self.world.integration_parameters.dt = FRAME_S / steps
-        self.world.integration_parameters.length_unit = 0.1
-        ground = rapier3d.Collider.cuboid(20.0, 20.0, 1.0).translation((0.0, 0.0, -1.0))
-        self.world.add_collider(ground.friction(FRICTION))
-        for index in range(FROZEN):
-            self._add(place(index))
-        plank = self._add(PARKED)
-        self.plank, self.falling = self.world.rigid_bodies[plank], id_of(plank)
-        self.extension = attach(self.world)
-        self.build()
-
-    def _add(self, position: tuple[float, ...]) -> Any:
-        body = self.rapier.RigidBody.dynamic().translation(position).can_sleep(False)
-        collider = self.rapier.Collider.cuboid(*(edge / 2 for edge in SIZE)).mass(MASS).friction(FRICTION)
-        return self.world.add_body(body, [collider])
-
-    def step(self) -> None:
-        for _ in range(self.steps):
-            self.world.step()
-
-    def drop(self) -> None:
-        self.extension.wake([self.falling])
-        self.plank.position = self.rapier.Isometry3(ABOVE)
-        self.plank.linvel = self.plank.angvel = self.rapier.Vec3.zeros()
-
-
 class Cost(NamedTuple):
     """Median CPU times of a frame [us], with ``attach`` and with the suite's adapter."""
 
@@ -258,9 +153,21 @@ def open_sides(engine: str) -> tuple[Side, Adapter]:
         case "mujoco":
             return AttachedMujoco(steps), adapter
         case "sapien":
+            from tests.benchmarks.attached.sapien_world import AttachedSapien
+
             return AttachedSapien(steps), adapter
-        case _:
+        case "rapier":
+            from tests.benchmarks.attached.rapier_world import AttachedRapier
+
             return AttachedRapier(steps), adapter
+        case "dart":
+            from tests.benchmarks.attached.dart_world import AttachedDart
+
+            return AttachedDart(steps), adapter
+        case _:
+            from tests.benchmarks.attached.pymunk_world import AttachedPymunk
+
+            return AttachedPymunk(), adapter
 
 
 def measure(engine: str, rounds: int = ROUNDS) -> dict[str, Cost]:
@@ -289,4 +196,4 @@ def main(engines: list[Any]) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:] or list(ENGINES))
+    main(sys.argv[1:] or list(SUITE))

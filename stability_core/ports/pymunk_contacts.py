@@ -1,4 +1,6 @@
-"""Kernels that sort Chipmunk's contacts by the suite's ids and lift them from the plane to three dimensions.
+"""Kernels that sort Chipmunk's contacts by the bodies' rows and lift them from the plane to three dimensions.
+
+The port and the suite's adapter share the kernels. See ``pymunk_reader`` for the rows.
 
 The functions are compiled, because a few dozen NumPy calls take ten times as long as Chipmunk's step of a frozen stack
 (some microseconds). Lengths are in engine units unless a docstring states another unit.
@@ -27,29 +29,29 @@ def lift_contacts(
     depths: FloatArray,
     units_per_metre: float,
 ) -> Rows:
-    """Return the contacts that touch a live body, sorted by the suite's ids, in three dimensions.
+    """Return the contacts that touch a live body, sorted by the bodies' rows, in three dimensions.
 
     Each of Chipmunk's points gives two points: the ends of a line along y, as long as the smaller depth of the pair.
-    Chipmunk may swap the bodies of a pair from step to step; in the result body a has the lower id. Between corners
+    Chipmunk may swap the bodies of a pair from step to step; in the result body a has the lower row. Between corners
     that coincide to the last bit Chipmunk reports a normal of length zero and no force: the kernel skips this pair.
 
     Args:
         engine_ids: the engine's ids of all bodies, sorted.
-        ids: the suite's id of each engine id. Negative ids (ground -1, fixed boxes below) select the last rows of the
-            arrays below.
+        ids: the row of each engine id. Negative rows (ground -1, fixed boxes below) select the last rows of the arrays
+            below.
         arbiters: engine ids of a and b, and the number of points, shape (m, 3).
-        numbers: the numbers of each arbiter, shape (m, 12), with the columns of ``_pymunk_reader.Arbiters``.
-        is_live: whether each body is live, by the suite's id, shape (n + fixed,).
-        fixed: number of rows of the ground and the fixed boxes.
-        state: states by the suite's id, with the columns of ``SpaceReader.state``, shape (n + fixed, 6).
-        before: velocity and spin before each substep, by the suite's id, shape (substeps, n + fixed, 3).
-        depths: extents along y [m] by the suite's id, shape (n + fixed,).
+        numbers: the numbers of each arbiter, shape (m, 12), with the columns of ``pymunk_reader.Arbiters``.
+        is_live: whether each body is live, by row, shape (n + fixed,).
+        fixed: number of bodies with negative rows.
+        state: states by row, with the columns of ``SpaceReader.state``, shape (n + fixed, 6).
+        before: velocity and spin before each substep, by row, shape (substeps, n + fixed, 3).
+        depths: extents along y [m] by row, shape (n + fixed,).
         units_per_metre: engine units per metre.
 
     Returns:
         Five arrays in SI units:
 
-        - ids of bodies a and b, shape (k, 2);
+        - rows of bodies a and b, shape (k, 2);
         - points [m], shape (k, 3);
         - normals, shape (k, 3);
         - separations [m], shape (k,);

@@ -1,25 +1,45 @@
-"""DART's contacts as arrays, and the bodies that they name."""
+"""Calls of DART for contacts and freezing, shared by the port and by the suite's adapter.
+
+Freezing: the skeleton is stopped and becomes immobile. DART leaves an immobile skeleton out of integration and of the
+contact problem, so that nothing moves it by a single bit. DART lists no contacts between two immobile skeletons.
+
+A normal of DART points from object 2 to object 1, so that object 2 is body a.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
-from adapters.shared.vectors import rows_of
 from stability_core.port import FloatArray, IntArray
+from stability_core.ports.shared.vectors import rows_of
+
+
+def freeze(skeleton: Any) -> None:
+    """Stop a skeleton, and make it immobile."""
+    skeleton.resetVelocities()
+    skeleton.setMobile(False)
+
+
+def unfreeze(skeleton: Any) -> None:
+    """Make a skeleton mobile, at rest."""
+    skeleton.resetVelocities()
+    skeleton.setMobile(True)
 
 
 class CollisionObjects:
-    """Map from DART's collision objects to bodies. The name of a skeleton is the id of its body.
+    """Map from DART's collision objects to the ids of bodies.
 
     The Python wrapper of a collision object is identified by a memory address. DART may reuse the address after the
-    skeleton is removed, so that the caller must call ``forget`` before it removes a skeleton.
+    skeleton is removed, so that the caller must call ``forget`` before it removes a skeleton, or ``clear`` afterwards.
     """
 
-    def __init__(self) -> None:
-        self._body_of: dict[Any, int] = {}  # a cache, because reading a name takes several calls
+    def __init__(self, id_of: Callable[[Any], int]) -> None:
+        """Create an empty map; ``id_of`` returns the id of the body to which a shape node belongs."""
+        self._id_of = id_of
+        self._body_of: dict[Any, int] = {}  # a cache, because the way to a body takes several calls
 
     def pairs_of(self, contacts: Sequence[Any]) -> tuple[IntArray, IntArray]:
         """Return bodies a and b of contacts, each of shape (n,)."""
@@ -29,10 +49,10 @@ class CollisionObjects:
         )
 
     def body_of(self, collision_object: Any) -> int:
-        """Return the id of the body, the ground or the fixed box to which a collision object belongs."""
+        """Return the id of the body to which a collision object belongs."""
         body = self._body_of.get(collision_object)
         if body is None:
-            body = int(collision_object.getShapeFrame().getSkeleton().getName())
+            body = self._id_of(collision_object.getShapeFrame())
             self._body_of[collision_object] = body
         return body
 

@@ -1,0 +1,106 @@
+"""A port to a DART world that the user owns.
+
+The port controls skeletons of one body on a free joint. All other bodies are obstacles: links of robots, fixed and
+immobile skeletons, bodies whose joint has an actuator or that have no gravity, and skeletons that the user leaves out.
+The port numbers the body nodes, because DART's bodies have names only; the attachment's methods accept skeletons of one
+body, and body nodes.
+
+Contacts: DART's own, of the poses before the latest step, and the missing corners of contact areas between boxes,
+standing cylinders and planes. DART's own sleeping (deactivation) may stay on, because DART lists the contacts of bodies
+that it has put to sleep. The port changes no setting of the world or of a live body.
+
+Traps:
+
+- DART's list of contacts refers to freed memory once a skeleton has left the world. The port then finds the contacts
+  anew, until the next step. It cannot see that the last skeleton of a world was removed and added again between a step
+  and ``update``: do that after ``update``.
+- DART keeps at most 1000 contacts. A live body whose contacts DART has dropped does not freeze.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from typing import Any
+
+import dartpy
+
+from stability_core.ports.dart_world import DartWorld
+from stability_core.ports.shared.free_body_port import FreeBodyPort
+
+
+def open_port(world: Any, bodies: Collection[Any] | None) -> DartPort:
+    """Return a port to a world of DART.
+
+    Args:
+        world: the world.
+        bodies: the skeletons or body nodes to control; None for all that can freeze.
+
+    Raises:
+        TypeError: if the world is no ``dartpy.simulation.World``.
+        ValueError: if a body cannot freeze, or a constraint joins bodies and ``bodies`` is None.
+    """
+    if not isinstance(world, dartpy.simulation.World):
+        raise TypeError(
+            f"attach() needs a dartpy.simulation.World, got {type(world).__name__}: pass the world that you step"
+        )
+    return DartPort(world, bodies)
+
+
+class DartPort(FreeBodyPort):
+    """The core's view of the free bodies of a world of DART."""
+
+    def __init__(self, world: Any, bodies: Collection[Any] | None) -> None:
+        self._dart = DartWorld(world, takes_all=bodies is None)
+        self._dart.check()
+        super().__init__(self._dart, ("dart", id(world)), bodies)
+
+    def add(self, bodies: Iterable[Any]) -> None:
+        """Control skeletons of one free body.
+
+        Raises:
+            TypeError: for an object that is neither a skeleton nor a body node.
+            ValueError: for a body that cannot freeze, or is controlled already.
+            KeyError: for a body that is not in the world.
+        """
+        super().add([self.id_of(body) for body in bodies])
+
+    def id_of(self, body: Any) -> int:
+        """Return the id of a skeleton of one body, or of a body node.
+
+        Raises:
+            TypeError: for an object that is neither.
+            ValueError: for a skeleton of several bodies.
+            KeyError: if the body is not in the world.
+        """
+        node = _node_of(body)
+        if node not in self._dart.ids:
+            self._bodies.follow()  # a body that came after the latest update
+        if node not in self._dart.ids:
+            name = node.getSkeleton().getName()
+            raise KeyError(f"the skeleton {name!r} is not in this DART world: call world.addSkeleton() first")
+        return self._dart.ids[node]
+
+    def body_of(self, body: int) -> Any:
+        """Return the body node of an id.
+
+        Raises:
+            KeyError: if no body in the world has this id.
+        """
+        if body not in self._dart.nodes:
+            raise KeyError(f"no body of this DART world has the id {body}: pass ids that id_of() or update() returned")
+        return self._dart.nodes[body]
+
+
+def _node_of(body: Any) -> Any:
+    """Return a body node, or the only body node of a skeleton; see ``DartPort.id_of`` for the errors."""
+    if isinstance(body, dartpy.dynamics.BodyNode):
+        return body
+    if not isinstance(body, dartpy.dynamics.Skeleton):
+        raise TypeError(f"the port to DART controls skeletons, got {type(body).__name__}: pass skeletons")
+    count = body.getNumBodyNodes()
+    if count != 1:
+        raise ValueError(
+            f"the skeleton {body.getName()!r} has {count} bodies: list free bodies only, because the extension leaves "
+            "robots alone; to ask about a link, pass its body node"
+        )
+    return body.getBodyNode(0)

@@ -1,0 +1,68 @@
+"""Contacts of the present poses of a DART world, at gaps of zero too, without a change of the world.
+
+DART's own query lists no contact across a gap, and rounding decides whether shapes at a gap of zero touch. With FCL's
+detector the query also changes later steps in their last bits. This module collides slightly larger copies of the
+shapes in a group of their own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any, NamedTuple
+
+import dartpy
+from dartpy import dynamics
+
+from stability_core.ports.dart_shapes import colliding_shapes
+
+GROWTH = 1e-5
+"""Distance [m] by which the surface of a copy lies outside the shape: a fiftieth of the gap that counts as touching."""
+
+
+class Original(NamedTuple):
+    """The shape that a copy stands for."""
+
+    body: int
+    """Id of its body."""
+    shape: Any
+    """DART's shape node."""
+    growth: float
+    """Distance [m] by which the surface of the copy lies outside: 0 for a shape that the module cannot enlarge."""
+
+
+@contextmanager
+def present_contacts(world: Any, nodes: Mapping[int, Any]) -> Iterator[tuple[list[Any], dict[Any, Original]]]:
+    """Give the contacts among the copies, and the original of each copy's frame, until the context ends.
+
+    Args:
+        world: the world.
+        nodes: body node of each id.
+    """
+    solver, result = world.getConstraintSolver(), dartpy.collision.CollisionResult()
+    group = solver.getCollisionDetector().createCollisionGroup()
+    originals: dict[Any, Original] = {}
+    for body, node in nodes.items():
+        for shape in colliding_shapes(node) if node.isCollidable() else ():
+            copied, growth = _enlarged(shape.getShape())
+            frame = dynamics.SimpleFrame()
+            frame.setShape(copied)
+            frame.setRelativeTransform(shape.getWorldTransform())
+            originals[frame] = Original(body, shape, growth)
+            group.addShapeFrame(frame)
+    group.collide(solver.getCollisionOption(), result)
+    yield result.getContacts(), originals
+
+
+def _enlarged(shape: Any) -> tuple[Any, float]:
+    """Return an enlarged copy of a shape, or the shape itself, and by how much it is larger on every side [m]."""
+    match shape:
+        case dynamics.BoxShape():
+            return dynamics.BoxShape(shape.getSize() + 2 * GROWTH), GROWTH
+        case dynamics.CylinderShape():
+            return dynamics.CylinderShape(shape.getRadius() + GROWTH, shape.getHeight() + 2 * GROWTH), GROWTH
+        case dynamics.SphereShape():
+            return dynamics.SphereShape(shape.getRadius() + GROWTH), GROWTH
+        case dynamics.CapsuleShape():
+            return dynamics.CapsuleShape(shape.getRadius() + GROWTH, shape.getHeight()), GROWTH
+    return shape, 0.0

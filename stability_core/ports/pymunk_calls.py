@@ -1,0 +1,46 @@
+"""Calls of pymunk for freezing, shared by the port and by the suite's adapter.
+
+Freezing: the body is stopped and becomes static. Nothing moves it by a single bit. A body that becomes dynamic again
+has lost its mass and moment of inertia, so that the caller sets both.
+
+Traps:
+
+- A static body keeps the pending correction of its overlap (``v_bias``), which would move the body after it is
+  unfrozen. An integration over a time of 0 clears the correction.
+- Chipmunk keeps the arbiters of two static bodies for ever, with points in memory that other contacts soon reuse.
+  ``forget_pairs`` deletes the arbiters.
+- A change of the body type in a callback of a step aborts the process.
+"""
+
+from __future__ import annotations
+
+import pymunk
+
+
+def halt(planar: pymunk.Body) -> None:
+    """Stop a body, and clear the pending correction of its overlap, which would move the body in its next step."""
+    planar.velocity = 0.0, 0.0
+    planar.angular_velocity = 0.0
+    pymunk.Body.update_position(planar, 0.0)
+
+
+def freeze(planar: pymunk.Body) -> None:
+    """Stop a body, and make it static. Call ``forget_pairs`` before the next step."""
+    halt(planar)
+    planar.body_type = pymunk.Body.STATIC
+
+
+def unfreeze(planar: pymunk.Body, mass: float, moment: float) -> None:
+    """Make a static body dynamic again, with this mass [kg] and moment of inertia."""
+    planar.body_type = pymunk.Body.DYNAMIC
+    planar.mass, planar.moment = mass, moment
+
+
+def forget_pairs(space: pymunk.Space, planar: pymunk.Body) -> None:
+    """Delete the arbiters of a newly frozen body; the next step detects its contacts with live bodies again.
+
+    Chipmunk deletes the arbiters of a shape that is removed.
+    """
+    shapes = [shape for shape in planar.shapes if shape.space is space]
+    space.remove(*shapes)
+    space.add(*shapes)

@@ -1,0 +1,1 @@
+"""Users' worlds with an attached extension, for ``tests.benchmarks.attach_cost``."""
