@@ -153,7 +153,8 @@ def _profile(name: str, table: Any, shared: Mapping[str, Knobs]) -> Profile:
     tuned_by = table.get("tuned_by", AS_SHIPPED)
     if name != "default" and not (isinstance(tuned_by, str) and tuned_by != AS_SHIPPED):
         raise ProfileFileError(
-            f"{where}: the key 'tuned_by' is missing; add this key, and state who tuned the profile, on which scenes"
+            f"{where}.tuned_by must be a text other than {AS_SHIPPED!r}, got {table.get('tuned_by')!r}; state who "
+            "tuned the profile, on which scenes"
         )
     return Profile(
         name,

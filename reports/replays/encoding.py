@@ -45,7 +45,7 @@ def encoded(
     """
     suffix = path.suffix.lower()
     if suffix not in FORMATS:
-        raise ExportError(f"{path}: the suffix of a video must be .mp4 or .gif: rename the file")
+        raise ExportError(f"{path}: the suffix of a video must be .mp4 or .gif: give an output file with such a suffix")
     if fps < 1:
         raise ExportError(f"--fps must be a whole number of at least 1 frame per second, got {fps}: give --fps 30")
     try:

@@ -99,7 +99,9 @@ def write_still(
     try:
         picture.save(content, Image.registered_extensions()[path.suffix.lower()], optimize=True)
     except (KeyError, OSError):
-        raise ExportError(f"{path}: the suffix must be of a picture format, such as .png: rename the file") from None
+        raise ExportError(
+            f"{path}: the suffix must be of a picture format, such as .png: give an output file with such a suffix"
+        ) from None
     write_atomic(path, content.getvalue())
 
 

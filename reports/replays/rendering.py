@@ -70,13 +70,13 @@ class _Stage:
         self._low, self._high = np.array(view["low"]), np.array(view["high"])
         self._look(*view["camera"])
 
-    def draw(self, corners: FloatArray, colours: ByteArray, others: Sequence[_Solid] = ()) -> Image.Image:
+    def draw(self, corners: FloatArray, colours: ByteArray, solids: Sequence[_Solid] = ()) -> Image.Image:
         """Return the picture of bricks with a transparent background.
 
         Args:
             corners: corners of the boxes [m], shape (n, 8, 3), world frame.
             colours: red, green and blue of each box, from 0 to 255, shape (n, 3).
-            others: the bricks that are no boxes.
+            solids: bricks of other shapes than boxes.
         """
         plotter = self._plotter
         plotter.clear_actors()
@@ -84,7 +84,7 @@ class _Stage:
             mesh = _mesh(corners, colours)
             plotter.add_mesh(mesh, scalars="colour", rgb=True, ambient=0.35, render=False, reset_camera=False, **_EDGES)
         for is_round in (False, True):
-            if drawn := [solid for solid in others if solid.is_round is is_round]:
+            if drawn := [solid for solid in solids if solid.is_round is is_round]:
                 # Sharp edges of round bricks stay visible, and the sides between them look smooth.
                 looks: dict[str, Any] = {"smooth_shading": True, "split_sharp_edges": True} if is_round else _EDGES
                 plotter.add_mesh(
@@ -96,8 +96,8 @@ class _Stage:
                     reset_camera=False,
                     **looks,
                 )
-        if len(corners) or others:
-            faces = [*corners[:, _FACES].reshape(-1, 4, 3), *(face for solid in others for face in solid.polygons())]
+        if len(corners) or solids:
+            faces = [*corners[:, _FACES].reshape(-1, 4, 3), *(face for solid in solids for face in solid.polygons())]
             plane, shadow = _ground(faces, self._low, self._high, self._shadow_pixels)
             plotter.add_mesh(plane, texture=shadow, lighting=False, render=False, reset_camera=False)
         plotter.renderer.reset_camera_clipping_range()
@@ -149,7 +149,7 @@ def render(view: Mapping[str, Any]) -> Iterator[Image.Image]:
     for position, quaternion, colour, is_shown in zip(positions, quaternions, colours, shown, strict=True):
         boxes = is_shown & is_box
         corners = _corners(sizes[boxes], position[boxes], quaternion[boxes])
-        others = [
+        solids = [
             _Solid(
                 _in_world(np.array(surface["corners"]), position[row], quaternion[row]),
                 surface["faces"],
@@ -159,9 +159,9 @@ def render(view: Mapping[str, Any]) -> Iterator[Image.Image]:
             for row, surface in surfaces.items()
             if is_shown[row]
         ]
-        now = b"".join([corners.tobytes(), colour[is_shown].tobytes(), *(solid.corners.tobytes() for solid in others)])
+        now = b"".join([corners.tobytes(), colour[is_shown].tobytes(), *(solid.corners.tobytes() for solid in solids)])
         if picture is None or now != before:
-            picture, before = stage.draw(corners, colour[boxes], others), now
+            picture, before = stage.draw(corners, colour[boxes], solids), now
         yield picture
     stage.close()
 

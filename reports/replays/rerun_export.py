@@ -32,7 +32,7 @@ def write_rerun(path: Path, trials: Sequence[Replayed]) -> None:
         ExportError: if Rerun is not installed, or the suffix is not ``.rrd``.
     """
     if path.suffix != ".rrd":
-        raise ExportError(f"{path}: the suffix of a file of Rerun must be .rrd: rename the file")
+        raise ExportError(f"{path}: the suffix of a file of Rerun must be .rrd: give an output file with such a suffix")
     rerun = require_rerun()
     stream = rerun.RecordingStream(APPLICATION, recording_id=trials[-1].record.trial)
     memory = stream.memory_recording()

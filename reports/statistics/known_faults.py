@@ -61,7 +61,7 @@ class KnownFault(BaseModel):
     def _check(self) -> KnownFault:
         for version in (self.first, self.last):
             if version and not _numbers(version):
-                raise ValueError(f"version {version!r} has no number; write it as 3.10.0")
+                raise ValueError(f"version {version!r} has no number; write a version such as 3.10.0")
         if any("scenario" not in scene for scene in self.scenes):
             raise ValueError('a scene needs its scenario, such as { scenario = "heavy_top", ratio = 10.0 }')
         return self

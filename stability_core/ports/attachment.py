@@ -45,7 +45,7 @@ class EnginePort(StabilityPort, Protocol):
         ...
 
     def remove(self, bodies: Iterable[int]) -> None:
-        """Stop to control bodies; a frozen body becomes live first if it is still in the world."""
+        """Stop controlling bodies; a frozen body becomes live first if it is still in the world."""
         ...
 
     def find_contacts(self) -> None:
@@ -116,7 +116,7 @@ class Attachment(StabilityExtension):
         self.port.add(bodies)
 
     def remove(self, bodies: Iterable[int]) -> None:
-        """Stop to control bodies; frozen bodies among them become live. Call this before you delete a body.
+        """Stop controlling bodies; frozen bodies among them become live. Call this before you delete a body.
 
         Raises:
             RuntimeError: if the attachment is closed.

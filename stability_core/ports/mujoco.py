@@ -167,7 +167,7 @@ class MujocoPort:
                 self._shapes.add(body, solid)
 
     def remove(self, bodies: Iterable[int]) -> None:
-        """Stop to control bodies; frozen bodies become live first."""
+        """Stop controlling bodies; frozen bodies become live first."""
         bodies = list(bodies)
         self.wake(bodies)
         for body in bodies:

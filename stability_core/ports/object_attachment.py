@@ -85,7 +85,7 @@ class ObjectAttachment(Attachment):
         return super().why(self.id_of(body))
 
     def remove(self, bodies: Iterable[Any]) -> None:
-        """Stop to control bodies; frozen bodies among them become live: see ``Attachment.remove``."""
+        """Stop controlling bodies; frozen bodies among them become live: see ``Attachment.remove``."""
         super().remove(self._ids(bodies))
 
     def _ids(self, bodies: Iterable[Any]) -> list[int]:

@@ -133,7 +133,7 @@ class PybulletPort:
             pybullet.changeDynamics(body, _BASE, activationState=AWAKE, physicsClientId=self.client)
 
     def remove(self, bodies: Iterable[int]) -> None:
-        """Stop to control bodies; frozen bodies become live first."""
+        """Stop controlling bodies; frozen bodies become live first."""
         bodies = list(bodies)
         self.wake(bodies)
         for body in bodies:

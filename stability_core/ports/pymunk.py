@@ -140,7 +140,7 @@ class PymunkPort:
         self._refresh()
 
     def remove(self, bodies: Iterable[int]) -> None:
-        """Stop to control bodies; frozen bodies become live first.
+        """Stop controlling bodies; frozen bodies become live first.
 
         Raises:
             KeyError: for an id that is not in the space.

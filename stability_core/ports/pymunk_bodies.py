@@ -138,7 +138,7 @@ class PymunkBodies:
         self._left_out.discard(planar)
 
     def leave_out(self, bodies: Iterable[int]) -> None:
-        """Stop to control bodies, at the next ``refresh``; frozen bodies become live at once."""
+        """Stop controlling bodies, at the next ``refresh``; frozen bodies become live at once."""
         for body in bodies:
             planar = self.body_of(body)
             self._left_out.add(planar)
@@ -200,7 +200,7 @@ class PymunkBodies:
             planar.position = position
 
     def _let_go(self, planar: pymunk.Body) -> None:
-        """Stop to control a body of the space."""
+        """Stop controlling a body of the space."""
         if planar in self.frozen:
             self._make_dynamic(planar)
         self.live.discard(planar)

@@ -100,7 +100,7 @@ def test_a_file_is_read_with_its_shared_knobs(tmp_path) -> None:
         ),
         (
             ('tuned_by = "us, on a tower"', ""),
-            "profiles.game: the key 'tuned_by' is missing; add this key, and state who",
+            "profiles.game.tuned_by must be a text other than 'as shipped', got None; state who",
         ),
         (
             ('shared = ["stiff"]', 'shared = ["soft"]'),

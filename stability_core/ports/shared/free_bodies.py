@@ -110,7 +110,7 @@ class FreeBodies:
         self._sort_others()
 
     def remove(self, bodies: Iterable[int]) -> None:
-        """Stop to control live bodies."""
+        """Stop controlling live bodies."""
         for body in bodies:
             self._forget(body)
         self._sort_others()

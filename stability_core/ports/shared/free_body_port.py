@@ -91,7 +91,7 @@ class FreeBodyPort:
         self._bodies.add(bodies)
 
     def remove(self, bodies: Iterable[int]) -> None:
-        """Stop to control bodies; frozen bodies become live first."""
+        """Stop controlling bodies; frozen bodies become live first."""
         bodies = list(bodies)
         if bodies:
             self.wake(bodies)

@@ -146,7 +146,7 @@ def test_what_cannot_be_drawn_is_refused_with_the_fix(pair, tmp_path, monkeypatc
     assert "at most 8192" in complaint(lambda: parse_size("9000x10"))
     assert "--at must be from 0 to 1 s" in complaint(lambda: write_still(tmp_path / "a.png", pair, (300, 200), at=2))
     assert "the size of a picture with 6 panels must be at least" in complaint(lambda: still([*pair, *pair, *pair]))
-    assert "must be .mp4 or .gif: rename the file" in complaint(lambda: video("a.avi", 320))
+    assert "must be .mp4 or .gif: give an output file with such a suffix" in complaint(lambda: video("a.avi", 320))
     assert "--speed must be above 0, got 0" in complaint(lambda: video("a.gif", 320, speed=0.0))
     pytest.importorskip("av", reason="needs uv sync --group video")
     assert "an even width" in complaint(lambda: video("a.mp4", 321))
