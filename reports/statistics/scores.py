@@ -5,6 +5,7 @@ from __future__ import annotations
 import statistics
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from reports.records.trial import TrialRecord
 from reports.statistics.groups import Group, grouped, ordered_policies
@@ -14,6 +15,13 @@ from reports.statistics.success_rates import SuccessRates, count, success_rates
 
 FRAME_BUDGETS_MS = {60: 1e3 / 60, 90: 1e3 / 90}
 """Time budgets of a frame [ms], by frames per second: 60 for a monitor, 90 for a headset."""
+
+
+class SlowestScene(NamedTuple):
+    """The scene with the greatest 99th percentile of frame times."""
+
+    frame_ms_p99: float
+    scene: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +40,8 @@ class PolicyScore:
     frame_ms_p99: float | None
     """Median over scenes of the 99th percentile of frame times [ms], without scenes whose times come from several
     machines; None if no scene remains."""
+    slowest: SlowestScene | None
+    """The scene with the greatest 99th percentile of frame times; None if no scene remains."""
     frame_ratios: tuple[Estimate, ...]
     """Ratio of the frame time with the extension to the frame time without the extension, on the same stack, for each
     scene with at least ``LEAST_RATIOS`` pairs of times."""
@@ -96,8 +106,14 @@ def score(policy: str, groups: Sequence[Group]) -> PolicyScore:
         trials=success_rates([[{trial.verdict} for trial in group.judged] for group in groups]),
         pairs=pair_success_rates(pairs_of(groups)),
         frame_ms_p99=middle(groups, "frame_ms_p99"),
+        slowest=_slowest(groups),
         frame_ratios=_ratios(groups),
     )
+
+
+def _slowest(groups: Sequence[Group]) -> SlowestScene | None:
+    times = [(group.estimate("frame_ms_p99"), group.key.scene) for group in groups]
+    return max((SlowestScene(time.value, scene) for time, scene in times if time is not None), default=None)
 
 
 def _ratios(groups: Sequence[Group]) -> tuple[Estimate, ...]:

@@ -186,7 +186,8 @@ def _notes(ranking: Ranking, records: Sequence[TrialRecord]) -> tuple[str, ...]:
     )
     units = (
         "p50, p99 [ms]: median over scenes of the median and of the 99th percentile of the frame time. creep [µm/s]: "
-        "of the brick nearest to its creep limit, over all stacks that must stand."
+        "of the brick with the greatest ratio of creep to creep limit (1 % of its thickness a minute), over all stacks "
+        "that must stand."
     )
     if ranking.references:
         units += (

@@ -41,7 +41,10 @@ def prepare(spec: Spec, bodies: Collection[str] | None = None) -> Spec:
         ValueError: if a body is unknown or cannot freeze, no body can, or the model has ghosts already.
     """
     if any(body.name.endswith(SUFFIX) for body in spec.bodies):
-        raise ValueError("this model has ghosts already: call prepare() once, before spec.compile()")
+        raise ValueError(
+            "this model has ghosts already: call prepare() once, before spec.compile(); to add bodies later, keep the "
+            "spec unprepared and prepare a copy of it, spec.copy()"
+        )
     chosen = _free_bodies(spec) if bodies is None else [_checked(spec, name) for name in bodies]
     if not chosen:
         raise ValueError(

@@ -29,7 +29,8 @@ for (const map of document.querySelectorAll(".heat table")) (() => {
     current.focus();
   };
 
-  map.addEventListener("mouseover", event => { const cell = cellOf(event); if (cell) describe(cell); });
+  const isHeld = () => document.activeElement === current; // a clicked cell keeps its line on the pointer's way to the link
+  map.addEventListener("mouseover", event => { const cell = cellOf(event); if (cell && !isHeld()) describe(cell); });
   map.addEventListener("focusin", event => { const cell = cellOf(event); if (cell) describe(cell); });
   map.addEventListener("click", event => { const cell = cellOf(event); if (cell) go(cell); });
   map.addEventListener("keydown", event => {

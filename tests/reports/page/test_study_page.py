@@ -223,6 +223,18 @@ def test_the_heat_map_is_walked_by_keys_and_leads_to_the_numbers(page, open_page
     assert all(all(word in text for word in row) for text in shown(opened))
 
 
+def test_a_clicked_cell_keeps_its_line_while_the_pointer_crosses_other_cells(page, open_page) -> None:
+    opened = open_page(page)
+    cells = opened.locator(".heat tbody td:not(.figure)")
+    cells.last.hover()
+    chosen = opened.locator(".cell").inner_text()
+    cells.first.hover()
+    assert opened.locator(".cell").inner_text() != chosen, "without a click the line follows the pointer"
+    cells.last.click()
+    cells.first.hover()
+    assert opened.locator(".cell").inner_text() == chosen
+
+
 def test_many_scenes_have_a_map_by_family_first(tmp_path, open_page) -> None:
     towers = [record(scene=f"tower-{n}", verdict="false_stand" if n < 3 else "right") for n in range(29)]
     opened = open_page(page_of(tmp_path, [*towers, record(scene="wall"), record(scene="arch")]))

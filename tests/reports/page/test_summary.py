@@ -6,9 +6,13 @@ from reports.statistics.scores import engine_scores
 from tests.reports.studies import FALLS, fallen, record
 
 
-def headline(*trials) -> str:
+def only_verdict(*trials):
     (verdict,) = verdicts(engine_scores(groups_of(trials)))
-    return verdict.headline
+    return verdict
+
+
+def headline(*trials) -> str:
+    return only_verdict(*trials).headline
 
 
 def must_fall(policy: str, *, right: bool):
@@ -25,3 +29,22 @@ def test_a_policy_that_is_right_on_both_sides_is_named_though_another_played_one
 def test_a_policy_that_only_built_what_must_stand_is_not_called_right_of_all():
     assert headline(record()) == "Right alone, though only stacks that must stand were built."
     assert headline(must_fall("none", right=True)) == "Right alone, though only stacks that must fall were built."
+
+
+def test_right_pairs_do_not_hide_wrong_scenes_without_a_partner():
+    pair = (
+        record(scene="table", pair="table"),
+        fallen(1, scene="table-margin-0.2", pair="table", expectation=FALLS, verdict="right"),
+    )
+    assert headline(*pair) == "Every pair right alone."
+    alone = fallen(3, scene="card_house", verdict="false_collapse")
+    assert headline(*pair, alone) == "Every pair right alone, but 1 of 3 trials wrong."
+
+
+def test_the_frame_rate_is_that_of_the_slowest_scene():
+    """The median of 2, 3 and 20 ms fits into a frame at 90 Hz, but the slowest scene does not fit at 60 Hz."""
+    scenes = {"table": 2.0, "four_stack": 3.0, "card_house": 20.0}
+    verdict = only_verdict(*(record(scene=scene, frame_ms_p99=time) for scene, time in scenes.items()))
+    (sentence,) = (one for one in verdict.sentences if "99 of 100" in one)
+    assert "at most 20.00 ms in the slowest scene (card_house, none), 3.00 ms in the median scene" in sentence
+    assert sentence.endswith("too slow for a frame at 60 Hz.")
