@@ -40,7 +40,10 @@ def first_new(count: int, value: Callable[[int], float | None], kind: Kind) -> F
     scale = SCALES[kind]
     ends = [value(index) for index in (0, count - 1)]
     if ends[0] is None or ends[1] is None:
-        raise BisectionError("the first and the last version need a value for a bisection: choose other ends")
+        raise BisectionError(
+            f"the first and the last version must have a value of the figure, got {ends[0]} and {ends[1]}: choose "
+            "other ends"
+        )
     old, new = (scale.transformed(end) for end in ends if end is not None)
     if abs(new - old) < scale.least_step:
         raise BisectionError(

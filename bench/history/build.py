@@ -75,7 +75,9 @@ def read_explanations(path: Path) -> list[Explanation]:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
         return [Explanation.model_validate(table) for table in content.get("explanation", [])]
     except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise HistoryError(f"{path}: cannot be read as TOML: {error}; correct the file") from error
+        raise HistoryError(
+            f"{path}: cannot be read as TOML: {error}; name a readable file, or correct the file"
+        ) from error
     except ValidationError as error:
         first = error.errors()[0]
         raise HistoryError(f"{path}: {'.'.join(map(str, first['loc']))}: {first['msg']}; correct the table") from error

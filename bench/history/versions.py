@@ -56,7 +56,10 @@ def within(versions: Sequence[Version], wanted: str) -> list[Version]:
     ]
     if not found:
         known = f"{versions[0]} to {versions[-1]}" if versions else "none"
-        raise VersionsError(f"no release is in {wanted}: the releases with a wheel for this machine are {known}")
+        raise VersionsError(
+            f"the range {wanted} must contain a release with a wheel for this machine, but contains none: choose "
+            f"among {known}"
+        )
     return found
 
 
@@ -69,11 +72,11 @@ def commits(wanted: str) -> list[str]:
     """
     low, separator, high = wanted.partition(_RANGE)
     if not (low and separator and high):
-        raise VersionsError(f"--commits must be a range such as v0.1.0..HEAD, got {wanted!r}")
+        raise VersionsError(f"--commits must be a range such as v0.1.0..HEAD, got {wanted!r}: correct the range")
     first = call(low, ["git", "rev-parse", "--verify", "--end-of-options", f"{low}^{{commit}}"], ROOT).strip()
     listed = call(wanted, ["git", "rev-list", "--first-parent", "--reverse", "--end-of-options", wanted], ROOT)
     if not listed:
-        raise VersionsError(f"there are no commits in {wanted}: name the older commit first")
+        raise VersionsError(f"there are no commits in {wanted}: name two different commits, the older commit first")
     return [commit[:12] for commit in (first, *listed.split())]
 
 
@@ -89,11 +92,14 @@ def kept_records(wanted: str) -> list[tuple[str, bytes]]:
     """
     branch, separator, path = wanted.partition(":")
     if not (branch and separator and path):
-        raise VersionsError(f"--records must be BRANCH:PATH, such as records:stacking.json, got {wanted!r}")
+        raise VersionsError(f"--records must be BRANCH:PATH, such as records:stacking.json, got {wanted!r}: correct it")
     log = ["git", "log", "--first-parent", "--reverse", "--format=%H %cs", "--diff-filter=AM", branch, "--", path]
     lines = [line.split() for line in call(branch, log, ROOT).splitlines()]
     if not lines:
-        raise VersionsError(f"no commit of {branch} has a file {path}: write one there with 'bench baseline'")
+        raise VersionsError(
+            f"no commit of {branch} adds or changes the file {path}: correct the path, or commit a file of 'bench "
+            "baseline' there"
+        )
     shown = [(commit, date, call(branch, ["git", "show", f"{commit}:{path}"], ROOT)) for commit, date in lines]
     return [(f"{date} {commit[:10]}", content.encode()) for commit, date, content in shown]
 

@@ -29,7 +29,7 @@ Symptom: TypeAlias = Literal["false_stand", "false_collapse", "creeps", "sinks",
 
 
 class KnownFaultsError(ValueError):
-    """An unreadable file of known faults; the message names the file, the entry and the fix."""
+    """An invalid entry of a file of known faults; the message names the file, the entry and the fix."""
 
 
 class KnownFault(BaseModel):
@@ -61,7 +61,7 @@ class KnownFault(BaseModel):
     def _check(self) -> KnownFault:
         for version in (self.first, self.last):
             if version and not _numbers(version):
-                raise ValueError(f"version {version!r} has no number; write a version such as 3.10.0")
+                raise ValueError(f"a version must begin with a number, got {version!r}; write a version such as 3.10.0")
         if any("scenario" not in scene for scene in self.scenes):
             raise ValueError('a scene needs its scenario, such as { scenario = "heavy_top", ratio = 10.0 }')
         return self

@@ -96,7 +96,9 @@ def _node_of(body: Any) -> Any:
     if isinstance(body, dartpy.dynamics.BodyNode):
         return body
     if not isinstance(body, dartpy.dynamics.Skeleton):
-        raise TypeError(f"the port to DART controls skeletons, got {type(body).__name__}: pass skeletons")
+        raise TypeError(
+            f"the port to DART needs a skeleton or a body node, got {type(body).__name__}: pass a skeleton of one body"
+        )
     count = body.getNumBodyNodes()
     if count != 1:
         raise ValueError(

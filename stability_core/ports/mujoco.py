@@ -132,8 +132,9 @@ class MujocoPort:
         passed, self._time = self.data.time - self._time, self.data.time
         if passed < 0.0:
             raise ValueError(
-                "the time of this MuJoCo simulation went back, because it was reset by mj_resetData or after it "
-                "diverged: call close() of the extension before a reset, and attach() again after it"
+                f"the time of this MuJoCo simulation went back by {-passed:g} s, because mj_resetData or a divergence "
+                "reset the simulation, or the program set data.time: call close() of the extension before a reset, "
+                "and attach() again after it"
             )
         if dt > 0.0 and abs(passed - dt) > _STEP * self.model.opt.timestep:
             raise ValueError(

@@ -45,8 +45,8 @@ def prepare(spec: Spec, bodies: Collection[str] | None = None) -> Spec:
     chosen = _free_bodies(spec) if bodies is None else [_checked(spec, name) for name in bodies]
     if not chosen:
         raise ValueError(
-            "this model has no body that could freeze: give the bodies of the stack a free joint (<freejoint/>), one "
-            "geom or more, and no bodies below them"
+            "prepare() found no body that could freeze: leave out bodies, or name at least one, and give the bodies of "
+            "the stack a free joint (<freejoint/>), one geom or more, and no bodies below them"
         )
     _let_frozen_sleep(spec)
     for body in chosen:
