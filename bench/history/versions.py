@@ -18,7 +18,7 @@ class VersionsError(ValueError):
 
 
 def released(package: str, wanted: str) -> list[str]:
-    """Return the releases of a package with a wheel for this machine, rising.
+    """Return the releases of a package that have a wheel for this machine, in rising order.
 
     Args:
         package: name of the package.
@@ -26,8 +26,8 @@ def released(package: str, wanted: str) -> list[str]:
             releases separated by commas, which need not have a wheel.
 
     Raises:
-        CheckoutError: if the registry cannot be asked.
-        VersionsError: if ``wanted`` is not understood or names no release.
+        CheckoutError: if the query of the registry fails.
+        VersionsError: if ``wanted`` is malformed, or a range contains no release.
     """
     if wanted != "all" and _RANGE not in wanted:
         return [str(version) for version in sorted(map(_parsed, wanted.split(",")))]
@@ -38,10 +38,10 @@ def released(package: str, wanted: str) -> list[str]:
 
 
 def within(versions: Sequence[Version], wanted: str) -> list[Version]:
-    """Return the versions of a range, or all versions; an end of a range includes what begins with it.
+    """Return the versions of a range, or all versions; the upper end includes versions that begin with it.
 
     Raises:
-        VersionsError: if ``wanted`` is not understood, or no version is in the range.
+        VersionsError: if ``wanted`` is malformed, or no version is in the range.
     """
     if wanted == "all":
         return list(versions)
@@ -64,11 +64,11 @@ def within(versions: Sequence[Version], wanted: str) -> list[Version]:
 
 
 def commits(wanted: str) -> list[str]:
-    """Return the short names of the commits ``A..B`` of the suite, first parents only, with A, rising.
+    """Return the short names of the suite's commits from A to B, both included, along first parents, oldest first.
 
     Raises:
         CheckoutError: if git does not know an end.
-        VersionsError: if ``wanted`` is not a range of commits with a history.
+        VersionsError: if ``wanted`` is not ``A..B``, or contains no commit after A.
     """
     low, separator, high = wanted.partition(_RANGE)
     if not (low and separator and high):
@@ -81,14 +81,14 @@ def commits(wanted: str) -> list[str]:
 
 
 def kept_records(wanted: str) -> list[tuple[str, bytes]]:
-    """Return the baseline files that commits of a branch kept at a path, by rising commit: name and content.
+    """Return name and content of each version of a baseline file on a branch, oldest commit first.
 
     Args:
         wanted: ``BRANCH:PATH``.
 
     Raises:
         CheckoutError: if git does not know the branch.
-        VersionsError: if ``wanted`` is not understood, or no commit changed the path.
+        VersionsError: if ``wanted`` is malformed, or no commit adds or changes the file.
     """
     branch, separator, path = wanted.partition(":")
     if not (branch and separator and path):

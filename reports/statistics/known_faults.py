@@ -1,11 +1,11 @@
 """Known faults of engines: public threads that may explain a row of a report.
 
-A fault flags a group of trials if all of these hold:
+A fault flags a group of trials if a trial of the group meets both conditions:
 
-- the engine, the version, the policy and the scene are those of the fault;
-- a trial of the group shows a symptom of the fault.
+- The engine, the version, the policy and the scene match the fault.
+- The trial shows a symptom of the fault.
 
-A flag neither proves the cause nor excuses: the row counts as without it.
+A flag does not prove the cause. The row counts as it would without the flag.
 """
 
 from __future__ import annotations
@@ -134,6 +134,6 @@ def _within(version: str, first: str, last: str) -> bool:
 
 
 def _numbers(version: str) -> tuple[int, ...]:
-    """Return the leading numbers of a version, such as (3, 10, 0) of ``3.10.0``; empty if it begins with no number."""
+    """Return the leading numbers of a version, such as (3, 10, 0) of ``3.10.0``; empty without such numbers."""
     found = re.match(r"\d+(\.\d+)*", version)
     return tuple(map(int, found[0].split("."))) if found else ()

@@ -26,8 +26,8 @@ def prepare(spec: Spec, bodies: Collection[str] | None = None) -> Spec:
 
     Each controlled body gets a ghost: an invisible mocap body with the same geoms, which collides only while the body
     is frozen. Other bodies, joints, actuators and sensors keep their ids and their motions. A frozen body must be able
-    to sleep, so that the function enables MuJoCo's sleeping, but for frozen bodies only, unless the model has enabled
-    it.
+    to sleep. The function therefore enables MuJoCo's sleeping, but for frozen bodies only, unless the model has enabled
+    sleeping.
 
     Args:
         spec: the model.
@@ -106,7 +106,7 @@ def _let_frozen_sleep(spec: Spec) -> None:
 
 
 def _roots(parent: Any) -> Iterator[Any]:
-    """Yield the roots of the kinematic trees below a body without joints: MuJoCo allows a sleep policy there only."""
+    """Yield the roots of the kinematic trees below a body, because MuJoCo allows a sleep policy at roots only."""
     for body in parent.bodies:
         if body.joints:
             yield body
