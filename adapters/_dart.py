@@ -92,7 +92,10 @@ class DartSimulation(SubstepSimulation):
 
     def _open(self) -> None:
         if self.info.sleeping != "off" and not HAS_DEACTIVATION:
-            raise NotImplementedError(f"DART {self.info.version} has no sleeping of its own")
+            raise NotImplementedError(
+                f"DART {self.info.version} has no sleeping of its own: use policy 'none', or install the "
+                "version of dartpy in uv.lock (uv sync)"
+            )
         self._engine = DartWorld(self.world, self.info.profile, self.expected)
         self._joints = self._engine.joints
         self._objects = CollisionObjects(lambda shape: int(shape.getSkeleton().getName()))

@@ -45,7 +45,10 @@ def _opened_panda() -> tuple[ctypes.CDLL, str]:
     folders = (spec.submodule_search_locations if spec else None) or ()
     files = [file for folder in folders for file in sorted(Path(folder).glob(_PANDA))]
     if not files:
-        raise ImportError(f"no library of ODE is installed; install {_DEBIAN} or the package 'panda3d'")
+        raise ImportError(
+            f"ODE needs the library {_DEBIAN}, or {_PANDA} of the package 'panda3d', but neither is installed; install "
+            f"{_DEBIAN}, or the version of panda3d in uv.lock"
+        )
     library = ctypes.CDLL(str(files[0]))
     if not hasattr(library, "dWorldCreate"):
         raise ImportError(f"{files[0]} must export ODE's functions, but does not on this platform; install {_DEBIAN}")

@@ -40,8 +40,9 @@ def outline(polyhedron: Polyhedron) -> tuple[list[tuple[float, float]], float]:
     ]
     if ends[0] != ends[1] or 2 * len(ends[0]) != len(polyhedron.vertices):
         raise NotImplementedError(
-            "pymunk is planar: a polyhedron must be a prism with its axis along y, with equal corners at both ends: "
-            "use another engine"
+            "pymunk is planar: a polyhedron must be a prism with its axis along y, with equal corners at both ends, "
+            f"got {len(polyhedron.vertices)} vertices, of which {len(ends[0])} and {len(ends[1])} are corners of the "
+            "ends: use another engine"
         )
     corners = [(x * UNITS_PER_METRE, z * UNITS_PER_METRE) for x, y, z in polyhedron.vertices if y < 0]
     return corners, depth

@@ -171,15 +171,15 @@ class Simulation(EngineHooks):
         """
         if body not in self.bodies.moved:
             raise KeyError(
-                f"drive() needs a body that the host moves, but body {body} is live or frozen: spawn the body as "
-                "Brick(..., moved=True)"
+                f"drive() needs a body that the host moves, but body {body} is not among the moved bodies "
+                f"{sorted(self.bodies.moved)}: pass an id of these, or spawn the body as Brick(..., moved=True)"
             )
         if not (np.isfinite(linear).all() and np.isfinite(angular).all()):
             raise ValueError(f"velocities must be finite, got {linear} m/s and {angular} rad/s; check for NaN")
         if self.capabilities.planar and (linear[1] or angular[0] or angular[2]):
             raise ValueError(
                 f"{self.engine} is planar: velocities must lie in the x-z plane and spins along y, got {linear} m/s, "
-                f"{angular} rad/s"
+                f"{angular} rad/s: set the other components to 0"
             )
         self.bodies.moved[body] = linear, angular
 

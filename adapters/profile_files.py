@@ -146,7 +146,8 @@ def _profile(name: str, table: Any, shared: Mapping[str, Knobs]) -> Profile:
     for chosen in table.get("shared", []):
         if chosen not in shared:
             raise ProfileFileError(
-                f"{where}.shared: the table [shared.{chosen}] does not exist; use one of: {_listed(shared)}"
+                f"{where}.shared must be a list of names of tables [shared.NAME], got {chosen!r}; use one of: "
+                f"{_listed(shared)}"
             )
         knobs |= shared[chosen]
     own = _knobs(f"{where}.knobs", table.get("knobs", {}))

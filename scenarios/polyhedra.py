@@ -129,12 +129,16 @@ def check_polyhedron(polyhedron: Polyhedron) -> None:
 
 def _hull(points: FloatArray) -> trimesh.Trimesh:
     if len(points) < 4:
-        raise ValueError(f"a polyhedron needs at least 4 vertices that are not in one plane, got {len(points)}")
+        raise ValueError(
+            f"a polyhedron needs at least 4 vertices, got {len(points)}: give corners that enclose a volume"
+        )
     try:
         with np.errstate(invalid="ignore", divide="ignore"):  # of a flat hull, which is refused below
             hull: trimesh.Trimesh = trimesh.convex.convex_hull(points)
     except QhullError as error:
-        raise ValueError("the vertices coincide: give corners that enclose a volume") from error
+        raise ValueError(
+            f"the {len(points)} vertices must enclose a volume, but do not: give corners that are not in one plane"
+        ) from error
     extent = float(np.ptp(points, axis=0).max())
     heights = points @ np.asarray(hull.face_normals).T
     thickness = float(np.ptp(heights, axis=0).min()) if len(hull.faces) else 0.0

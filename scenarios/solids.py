@@ -239,13 +239,16 @@ def _made(
     level: int,
 ) -> Brick:
     if (mass is None) == (density is None):
-        raise ValueError(f"give either mass or density, got mass={mass} and density={density}")
+        raise ValueError(
+            f"give either mass or density, got mass={mass} and density={density}: leave out one of the two"
+        )
     brick = Brick(size, 1.0, position, quaternion, level, shape=shape)
     check_solid(brick)
     known = mass if density is None else density * volume_of(shape, size)
     if known is None or not (math.isfinite(known) and known > 0):
         raise ValueError(
-            f"mass and density must be positive and finite, got {mass} kg and {density} kg/m3: give a mass above 0 kg"
+            f"mass and density must be positive and finite, got {mass} kg and {density} kg/m3: give a mass above 0 kg, "
+            "or a density above 0 kg/m3"
         )
     return replace(brick, mass=known)
 

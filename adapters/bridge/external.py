@@ -188,7 +188,8 @@ def _entry(path: Path, name: str, table: Any) -> ExternalEntry:
     where = f"{path}: [{name}]"
     if not isinstance(table, dict):
         raise EnginesFileError(
-            f"{path}: the entry '{name}' must be a table: write [{name}], and below this line a 'command'"
+            f"{path}: the entry '{name}' must be a table, got {table!r}: write [{name}], and below this line a "
+            "'command'"
         )
     for key in table:
         if key not in _KEYS:

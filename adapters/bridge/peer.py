@@ -53,7 +53,8 @@ class Peer:
         program = shutil.which(command[0], path=f"{folder}{os.pathsep}{os.environ.get('PATH', os.defpath)}")
         if program is None:
             raise PeerError(
-                f"cannot start the engine: the program '{command[0]}' does not exist; give the full path of the program"
+                f"cannot start the engine: '{command[0]}' must be an executable program in {folder} or on PATH, but is "
+                "not; give the full path of the program"
             )
         self._name = " ".join(command)
         self._timeout_s = timeout_s

@@ -43,7 +43,9 @@ def check_pose(position: Vector, quaternion: Quaternion) -> None:
 def check_vector_in_plane(engine: str, quantity: str, value: Vector, unit: str) -> None:
     """Raise ``ValueError`` unless a vector lies in the plane of a planar engine."""
     if value[1] != 0.0:
-        raise ValueError(f"{engine} is planar: {quantity} must lie in the x-z plane (y = 0), got {value} {unit}")
+        raise ValueError(
+            f"{engine} is planar: {quantity} must lie in the x-z plane, got {value} {unit}: set the y component to 0"
+        )
 
 
 def check_pose_in_plane(engine: str, position: Vector, quaternion: Quaternion) -> None:
@@ -51,6 +53,12 @@ def check_pose_in_plane(engine: str, position: Vector, quaternion: Quaternion) -
     _, y, _ = position
     _, i, _, k = quaternion
     if abs(y) > MAX_OFF_PLANE:
-        raise ValueError(f"{engine} is planar: the brick's centre must lie at y = 0, got y = {y} m")
+        raise ValueError(
+            f"{engine} is planar: the brick's centre must lie at y = 0, got y = {y} m: set y to 0, or use an engine in "
+            "three dimensions"
+        )
     if max(abs(i), abs(k)) > MAX_OFF_PLANE:
-        raise ValueError(f"{engine} is planar: a brick may turn about the y axis only, got quaternion {quaternion}")
+        raise ValueError(
+            f"{engine} is planar: a brick may turn about the y axis only, got quaternion {quaternion}: set its x and z "
+            "components to 0"
+        )

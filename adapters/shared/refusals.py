@@ -20,7 +20,10 @@ def check_capable(engine: str, can: Capabilities, world: World, bricks: Iterable
         bricks: the bricks.
     """
     if world.restitution > 0 and not can.restitution:
-        raise NotImplementedError(f"{engine}: the adapter has restitution 0 only: set the world's restitution to 0")
+        raise NotImplementedError(
+            f"{engine}: the adapter has restitution 0 only, got {world.restitution} in the world: set the world's "
+            "restitution to 0, or use another engine"
+        )
     for brick in bricks:
         shape = name_of(brick.shape)
         if shape not in can.shapes:
@@ -30,8 +33,8 @@ def check_capable(engine: str, can: Capabilities, world: World, bricks: Iterable
             )
         if not can.own_friction and friction_of(brick, world) != world.friction:
             raise NotImplementedError(
-                f"{engine}: the adapter gives no body a friction of its own, got {brick.friction} in a world of "
-                f"{world.friction}: use one friction for all, or another engine"
+                f"{engine}: the adapter gives no body a friction of its own, got {brick.friction} in a world with "
+                f"the coefficient {world.friction}: use one friction for all, or another engine"
             )
         if not can.restitution and restitution_of(brick, world) > 0:
             raise NotImplementedError(

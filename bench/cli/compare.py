@@ -81,9 +81,12 @@ def compare(
         _prune()
         return
     if not (base and head):
-        raise typer.BadParameter("name BASE and HEAD, or --prune")
+        raise typer.BadParameter("a comparison needs BASE and HEAD, got fewer: name both, or give --prune")
     if pictures is not None and (run_both or not Path(head).is_dir()):
-        raise typer.BadParameter("--pictures needs a results folder as HEAD, because it has the recordings")
+        raise typer.BadParameter(
+            f"--pictures needs a results folder as HEAD, because only a results folder has recordings, got {head!r}"
+            f"{' with --run' if run_both else ''}: leave out --pictures, or compare two results folders"
+        )
     with input_errors():
         gates = chosen_gates(fail_on)
         judge = partial(compare_runs, across_versions=across_versions, poses=poses, require_all=require_all)

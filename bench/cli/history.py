@@ -111,9 +111,12 @@ def _check_sources(engine: str | None, versions: str | None, commit_range: str |
     if engine is not None:
         look_up("engine", engine, ENGINES)
     if sum(source is not None for source in (versions, commit_range, records)) != 1:
-        raise VersionsError("name one source of versions: --versions, --commits or --records")
+        raise VersionsError(
+            "a history needs exactly one source of versions, got none or several: give one of --versions, --commits "
+            "and --records"
+        )
     if versions is not None and engine is None:
-        raise VersionsError("--versions needs --engine, the engine whose releases to compare")
+        raise VersionsError("--versions needs the engine whose releases to compare, got none: add --engine NAME")
 
 
 def _runs(
@@ -126,7 +129,10 @@ def _runs(
         return names, lambda name: measure_commit(name, plan, file, folder, ERR), "", ""
     package = getattr(ENGINES[str(engine)], "package", None)
     if package is None or package.startswith("@"):
-        raise VersionsError(f"engine '{engine}' is no Python package: use --commits or --records")
+        raise VersionsError(
+            f"--versions needs an engine with a Python package, but engine '{engine}' has none: use --commits or "
+            "--records"
+        )
     names = released(package, str(versions))
     suite = checked_out("HEAD", ERR)
     file = write_study(plan, folder)
@@ -166,7 +172,10 @@ def _bisect(figure: str, names: Sequence[str], measure: Callable[[str], None], f
     for end in (0, len(names) - 1):
         value(end)
     if figure not in kinds:
-        raise BisectionError("the first and the last version need a value for a bisection: choose other ends")
+        raise BisectionError(
+            f"the first and the last version, {names[0]} and {names[-1]}, must have a value of '{figure}', but neither "
+            "has any figure: choose other ends"
+        )
     result = first_new(len(names), value, kinds[figure])
     skipped = ", ".join(names[index] for index in result.untested)
     OUT.print(

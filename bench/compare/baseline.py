@@ -49,7 +49,10 @@ def of_engines(side: Baseline, engines: Sequence[str] | None) -> Baseline:
     trials = [record for record in side.trials if record.engine in engines]
     if not trials:
         has = ", ".join(sorted({record.engine for record in side.trials}))
-        raise BaselineError(f"a side has no trial of {', '.join(engines)}: its engines are {has}")
+        raise BaselineError(
+            f"each side must have a trial of {', '.join(engines)}, but one side has none: choose from its "
+            f"engines, {has}"
+        )
     return side.model_copy(update={"trials": trials})
 
 
@@ -67,7 +70,8 @@ def replaced_baseline(path: Path) -> Baseline | None:
         return _read_baseline_file(path)
     except (JsonError, ValidationError):
         raise BaselineError(
-            f"{path} must be a baseline file or a new file, but is a file of another kind: name another file with -o"
+            f"{path} must be a readable baseline file or a new file, but is a file of another kind, or damaged: name "
+            "another file with -o"
         ) from None
 
 

@@ -36,7 +36,7 @@ def read_folder(folder: Path) -> Baseline:
         records = read_records(path)
     if not records:
         raise BaselineError(
-            f"{path}: a comparison needs at least one trial, but the folder contains none; run the study first"
+            f"{path}: a comparison needs at least one trial, but the file contains none; run the study first"
         )
     whole = content if content.endswith(b"\n") else content.rpartition(b"\n")[0]
     for number, line in enumerate(whole.splitlines(), start=1):

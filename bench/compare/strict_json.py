@@ -64,7 +64,7 @@ def _without_twins(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     if len(table) < len(pairs):
         seen: set[str] = set()
         twin = next(key for key, _ in pairs if key in seen or seen.add(key))  # type: ignore[func-returns-value]
-        raise ValueError(f"key {twin[:80]!r} must occur once in an object, got two values")
+        raise ValueError(f"key {twin[:80]!r} must occur once in an object, but occurs again")
     return table
 
 

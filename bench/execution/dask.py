@@ -81,8 +81,8 @@ def connected(address: str) -> Iterator[Client]:
         client = Client(address, timeout=CONNECT_S, set_as_default=False)
     except (OSError, ValueError) as error:
         raise ClusterError(
-            f"no Dask scheduler answers at {address}: start one with 'uv run dask scheduler', "
-            f"and workers with 'uv run dask worker {address}'"
+            f"no Dask scheduler answers at {address}: correct the address, or start a scheduler with 'uv run dask "
+            f"scheduler', and workers with 'uv run dask worker {address}'"
         ) from error
     with client:
         yield client

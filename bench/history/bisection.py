@@ -10,7 +10,7 @@ from reports.statistics.steps import SCALES
 
 
 class BisectionError(ValueError):
-    """A search that cannot start; the message names the fix."""
+    """A bisection that cannot start; the message names the fix."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,14 +20,14 @@ class FirstNew:
     last_old: int
     first_new: int
     untested: tuple[int, ...]
-    """Versions between both without a value; the first new version may be among them."""
+    """Versions without a value between ``last_old`` and ``first_new``. The first new version may be among them."""
 
 
 def first_new(count: int, value: Callable[[int], float | None], kind: Kind) -> FirstNew:
-    """Return where a figure takes its new value, if it changes once between the first and the last version.
+    """Return the versions between which a figure takes its new value, if it changes once from the first to the last.
 
-    A version is new if its value is nearer to that of the last version than to that of the first, on the scale of the
-    kind. A version without a value is left out, and a neighbour is tested instead.
+    A version is new if its value is nearer to the last version's value than to the first version's value, on the scale
+    of ``kind``. The function skips a version without a value, and tests a neighbour instead.
 
     Args:
         count: number of versions.
@@ -40,7 +40,10 @@ def first_new(count: int, value: Callable[[int], float | None], kind: Kind) -> F
     scale = SCALES[kind]
     ends = [value(index) for index in (0, count - 1)]
     if ends[0] is None or ends[1] is None:
-        raise BisectionError("the first and the last version need a value for a bisection: choose other ends")
+        raise BisectionError(
+            f"the first and the last version must have a value of the figure, got {ends[0]} and {ends[1]}: choose "
+            "other ends"
+        )
     old, new = (scale.transformed(end) for end in ends if end is not None)
     if abs(new - old) < scale.least_step:
         raise BisectionError(

@@ -66,7 +66,7 @@ def steps_of(history: History, explanations: Sequence[Explanation] = ()) -> list
 
 
 def read_explanations(path: Path) -> list[Explanation]:
-    """Read quoted lines of changelogs: a TOML file with tables ``[[explanation]]``, fields as in ``Explanation``.
+    """Return the quoted lines of changelogs in the tables ``[[explanation]]`` of a TOML file.
 
     Raises:
         HistoryError: if the file cannot be read, or a table is invalid.
@@ -75,7 +75,9 @@ def read_explanations(path: Path) -> list[Explanation]:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
         return [Explanation.model_validate(table) for table in content.get("explanation", [])]
     except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise HistoryError(f"{path}: cannot be read as TOML: {error}; correct the file") from error
+        raise HistoryError(
+            f"{path}: cannot be read as TOML: {error}; name a readable file, or correct the file"
+        ) from error
     except ValidationError as error:
         first = error.errors()[0]
         raise HistoryError(f"{path}: {'.'.join(map(str, first['loc']))}: {first['msg']}; correct the table") from error
@@ -104,7 +106,7 @@ def _of_series(series: Series, versions: Sequence[str], explanations: Sequence[E
 
 
 def _middle(values: Sequence[float | None]) -> float:
-    """Return the lower median, which is one of the values."""
+    """Return the lower median of the known values, which is a value of the list."""
     known = sorted(value for value in values if value is not None)
     return known[(len(known) - 1) // 2]
 

@@ -23,7 +23,7 @@ class Figure(NamedTuple):
 
 
 def figures_of(records: Sequence[TrialRecord]) -> list[Figure]:
-    """Return the figures of one version; repeats and seeds of a trial give their median."""
+    """Return the figures of one version, each the median over repeats and seeds of a trial."""
     found: dict[str, list[Figure]] = {}
     for record in records:
         if record.status not in _FAILED:
@@ -35,7 +35,7 @@ def figures_of(records: Sequence[TrialRecord]) -> list[Figure]:
 def as_series(versions: Sequence[Sequence[Figure]]) -> list[Series]:
     """Return the figures of all versions as series, in the order of their first appearance.
 
-    A figure without any value is left out.
+    The function leaves out a figure without any value.
     """
     tables: list[Mapping[str, Figure]] = [{figure.name: figure for figure in figures} for figures in versions]
     first = {name: figure for table in reversed(tables) for name, figure in table.items()}
@@ -49,7 +49,7 @@ def as_series(versions: Sequence[Sequence[Figure]]) -> list[Series]:
 
 
 def first_failure(records: Sequence[TrialRecord]) -> str:
-    """Return the message of the first trial if no trial has figures; else an empty text."""
+    """Return the first failure if all trials failed; otherwise an empty text."""
     if any(record.status not in _FAILED for record in records):
         return ""
     first = next((one for one in records if one.status != "unsupported"), records[0])
@@ -89,7 +89,7 @@ def _frame_time(record: TrialRecord) -> float | None:
     """Return the typical frame time of the engine alone relative to a fixed calculation.
 
     The calculation runs just before and just after the frames, so that the ratio depends less on the machine's present
-    speed than a time does. Times of stacks that fell are left out, because fewer bricks were in their frames.
+    speed than a time does. The caller leaves out stacks that fell, because their frames have fewer bricks.
     """
     if not (record.frame_ms_p50 and record.calibration_ms):
         return None

@@ -1,4 +1,4 @@
-"""Run a study with each version of a history. A finished version is kept, so that an interrupted history continues."""
+"""Run a study with each version of a history. The folder keeps finished versions, so that a new call continues."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _FILE_IN_BRACKETS = re.compile(r" \(\.\.\./[^)]*\)")
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """The figures of one version, or the reason for which it has none."""
+    """The figures of one version, or the reason for their absence."""
 
     version: str
     figures: tuple[Figure, ...] = ()
@@ -63,7 +63,7 @@ def measure_release(
         study: file of the study.
         out: folder of the history.
         console: console that shows the start of each slow step.
-        keep: False to remove the environment afterwards, if it was made for this run.
+        keep: False to remove the environment afterwards, if the function created it.
     """
 
     def run(folder: Path) -> None:
@@ -137,7 +137,7 @@ def write_study(study: Study, out: Path) -> Path:
 
 
 def _measure(version: str, out: Path, run: Callable[[Path], None], console: Console) -> None:
-    """Run a version into its folder, and record the end or the reason of a failure."""
+    """Run the study with a version into its folder, and record its end or the reason for its failure."""
     folder = (out / VERSIONS / version).resolve()
     if (folder / _DONE).exists():
         return

@@ -11,7 +11,7 @@ _LARGER_IS_BETTER = frozenset({"levels", "collapse", "tilt"})
 
 
 def tracked_versions(history: History) -> list[dict[str, Any]]:
-    """Return for each version with figures its name and its figures for which smaller is better."""
+    """Return name and figures of each version, without failed versions and figures for which larger is better."""
     series = [one for one in history.series if one.kind not in _LARGER_IS_BETTER]
     return [
         {"version": point.version, "figures": _figures(series, index)}

@@ -18,7 +18,7 @@ class VersionsError(ValueError):
 
 
 def released(package: str, wanted: str) -> list[str]:
-    """Return the releases of a package with a wheel for this machine, rising.
+    """Return the releases of a package that have a wheel for this machine, in rising order.
 
     Args:
         package: name of the package.
@@ -26,8 +26,8 @@ def released(package: str, wanted: str) -> list[str]:
             releases separated by commas, which need not have a wheel.
 
     Raises:
-        CheckoutError: if the registry cannot be asked.
-        VersionsError: if ``wanted`` is not understood or names no release.
+        CheckoutError: if the query of the registry fails.
+        VersionsError: if ``wanted`` is malformed, or a range contains no release.
     """
     if wanted != "all" and _RANGE not in wanted:
         return [str(version) for version in sorted(map(_parsed, wanted.split(",")))]
@@ -38,10 +38,10 @@ def released(package: str, wanted: str) -> list[str]:
 
 
 def within(versions: Sequence[Version], wanted: str) -> list[Version]:
-    """Return the versions of a range, or all versions; an end of a range includes what begins with it.
+    """Return the versions of a range, or all versions; the upper end includes versions that begin with it.
 
     Raises:
-        VersionsError: if ``wanted`` is not understood, or no version is in the range.
+        VersionsError: if ``wanted`` is malformed, or no version is in the range.
     """
     if wanted == "all":
         return list(versions)
@@ -56,44 +56,50 @@ def within(versions: Sequence[Version], wanted: str) -> list[Version]:
     ]
     if not found:
         known = f"{versions[0]} to {versions[-1]}" if versions else "none"
-        raise VersionsError(f"no release is in {wanted}: the releases with a wheel for this machine are {known}")
+        raise VersionsError(
+            f"the range {wanted} must contain a release with a wheel for this machine, but contains none: choose "
+            f"among {known}"
+        )
     return found
 
 
 def commits(wanted: str) -> list[str]:
-    """Return the short names of the commits ``A..B`` of the suite, first parents only, with A, rising.
+    """Return the short names of the suite's commits from A to B, both included, along first parents, oldest first.
 
     Raises:
         CheckoutError: if git does not know an end.
-        VersionsError: if ``wanted`` is not a range of commits with a history.
+        VersionsError: if ``wanted`` is not ``A..B``, or contains no commit after A.
     """
     low, separator, high = wanted.partition(_RANGE)
     if not (low and separator and high):
-        raise VersionsError(f"--commits must be a range such as v0.1.0..HEAD, got {wanted!r}")
+        raise VersionsError(f"--commits must be a range such as v0.1.0..HEAD, got {wanted!r}: correct the range")
     first = call(low, ["git", "rev-parse", "--verify", "--end-of-options", f"{low}^{{commit}}"], ROOT).strip()
     listed = call(wanted, ["git", "rev-list", "--first-parent", "--reverse", "--end-of-options", wanted], ROOT)
     if not listed:
-        raise VersionsError(f"there are no commits in {wanted}: name the older commit first")
+        raise VersionsError(f"there are no commits in {wanted}: name two different commits, the older commit first")
     return [commit[:12] for commit in (first, *listed.split())]
 
 
 def kept_records(wanted: str) -> list[tuple[str, bytes]]:
-    """Return the baseline files that commits of a branch kept at a path, by rising commit: name and content.
+    """Return name and content of each version of a baseline file on a branch, oldest commit first.
 
     Args:
         wanted: ``BRANCH:PATH``.
 
     Raises:
         CheckoutError: if git does not know the branch.
-        VersionsError: if ``wanted`` is not understood, or no commit changed the path.
+        VersionsError: if ``wanted`` is malformed, or no commit adds or changes the file.
     """
     branch, separator, path = wanted.partition(":")
     if not (branch and separator and path):
-        raise VersionsError(f"--records must be BRANCH:PATH, such as records:stacking.json, got {wanted!r}")
+        raise VersionsError(f"--records must be BRANCH:PATH, such as records:stacking.json, got {wanted!r}: correct it")
     log = ["git", "log", "--first-parent", "--reverse", "--format=%H %cs", "--diff-filter=AM", branch, "--", path]
     lines = [line.split() for line in call(branch, log, ROOT).splitlines()]
     if not lines:
-        raise VersionsError(f"no commit of {branch} has a file {path}: write one there with 'bench baseline'")
+        raise VersionsError(
+            f"no commit of {branch} adds or changes the file {path}: correct the path, or commit a file of 'bench "
+            "baseline' there"
+        )
     shown = [(commit, date, call(branch, ["git", "show", f"{commit}:{path}"], ROOT)) for commit, date in lines]
     return [(f"{date} {commit[:10]}", content.encode()) for commit, date, content in shown]
 

@@ -65,14 +65,20 @@ class CallgrindCounter:
             OSError: if the program does not run under Callgrind as ``command_under_callgrind`` starts it.
         """
         if obstacle() is not None or _FILE not in os.environ:
-            raise OSError("this program does not run under Callgrind: start it with command_under_callgrind")
+            raise OSError(
+                f"this program does not run under Callgrind ({obstacle() or f'{_FILE} is not set'}): start the program "
+                "with command_under_callgrind"
+            )
         self._code = mmap.mmap(-1, mmap.PAGESIZE, prot=mmap.PROT_READ | mmap.PROT_WRITE | mmap.PROT_EXEC)
         self._code.write(_REQUEST)
         address = ctypes.addressof(ctypes.c_char.from_buffer(self._code))
         self._ask = ctypes.CFUNCTYPE(ctypes.c_uint64, ctypes.c_void_p)(address)
         self._dumps = 0
         if not self._request(_RUNNING_ON_VALGRIND):
-            raise OSError("this program does not run under Callgrind: start it with command_under_callgrind")
+            raise OSError(
+                "this program does not run under Callgrind (Valgrind does not answer): start the program with "
+                "command_under_callgrind"
+            )
         self._request(_START)
         self._overhead = 0
         self._overhead = self.count(lambda: None)

@@ -119,8 +119,8 @@ def _check(publication: Publication, folder: Path, records: Sequence[TrialRecord
 def _check_sources(environment: Mapping[str, Any], where: str) -> None:
     if environment.get("modified") is not False or not environment.get("commit"):
         raise PublishError(
-            f"{where}: the run must use committed sources, but the sources had changes; commit the changes, and "
-            "run the study again"
+            f"{where}: the run must use committed sources, got modified = {environment.get('modified')!r} and commit = "
+            f"{environment.get('commit')!r}; commit the changes, and run the study again"
         )
 
 

@@ -205,8 +205,8 @@ def _check_marks(source: Source) -> None:
         text = page.read_text(encoding="utf-8")
         if text != marked(text, core_of(page), source.core):
             raise RoundError(
-                f"{page}: the mark must be of the present core, but is of another core; run 'python -m "
-                "bench.publishing --mark', and commit the page"
+                f"{page}: the mark must be of the round's core, {source.core}, but is missing or of another core; "
+                "run 'python -m bench.publishing --mark', and commit the page"
             )
 
 

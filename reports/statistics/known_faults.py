@@ -1,11 +1,11 @@
 """Known faults of engines: public threads that may explain a row of a report.
 
-A fault flags a group of trials if all of these hold:
+A fault flags a group of trials if a trial of the group meets both conditions:
 
-- the engine, the version, the policy and the scene are those of the fault;
-- a trial of the group shows a symptom of the fault.
+- The engine, the version, the policy and the scene match the fault.
+- The trial shows a symptom of the fault.
 
-A flag neither proves the cause nor excuses: the row counts as without it.
+A flag does not prove the cause. The row counts as it would without the flag.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ Symptom: TypeAlias = Literal["false_stand", "false_collapse", "creeps", "sinks",
 
 
 class KnownFaultsError(ValueError):
-    """An unreadable file of known faults; the message names the file, the entry and the fix."""
+    """An invalid entry of a file of known faults; the message names the file, the entry and the fix."""
 
 
 class KnownFault(BaseModel):
@@ -61,7 +61,7 @@ class KnownFault(BaseModel):
     def _check(self) -> KnownFault:
         for version in (self.first, self.last):
             if version and not _numbers(version):
-                raise ValueError(f"version {version!r} has no number; write a version such as 3.10.0")
+                raise ValueError(f"a version must begin with a number, got {version!r}; write a version such as 3.10.0")
         if any("scenario" not in scene for scene in self.scenes):
             raise ValueError('a scene needs its scenario, such as { scenario = "heavy_top", ratio = 10.0 }')
         return self
@@ -134,6 +134,6 @@ def _within(version: str, first: str, last: str) -> bool:
 
 
 def _numbers(version: str) -> tuple[int, ...]:
-    """Return the leading numbers of a version, such as (3, 10, 0) of ``3.10.0``; empty if it begins with no number."""
+    """Return the leading numbers of a version, such as (3, 10, 0) of ``3.10.0``; empty without such numbers."""
     found = re.match(r"\d+(\.\d+)*", version)
     return tuple(map(int, found[0].split("."))) if found else ()

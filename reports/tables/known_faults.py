@@ -12,7 +12,7 @@ from reports.tables.wording import some
 
 
 def known_fault_tables(records: Sequence[TrialRecord]) -> list[Table]:
-    """Return the table of known faults in a list, which is empty if no trial shows one."""
+    """Return the table of known faults in a list, which is empty if no trial shows a known fault."""
     shown: dict[tuple[str, str], tuple[KnownFault, list[str]]] = {}
     for group in groups_of(records):
         for fault in faults_of(group):

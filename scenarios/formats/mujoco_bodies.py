@@ -66,8 +66,8 @@ def free_brick(model: Any, data: Any, body: int, name: str, geoms: Sequence[Geom
     """
     if len(geoms) != 1:
         raise ImportRefusedError(
-            f"body '{name}' has {len(geoms)} collision geometries, but a brick has one convex shape: keep one "
-            "geometry, for example a mesh of their convex hull, and set contype and conaffinity of the others to 0"
+            f"body '{name}' has {len(geoms)} collision geometries, but a brick has one convex shape: give the body "
+            "one geometry, for example a mesh of their convex hull, and set contype and conaffinity of the others to 0"
         )
     (geom,) = geoms
     parts = [index for index in range(1, model.nbody) if model.body_weldid[index] == body]

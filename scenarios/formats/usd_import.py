@@ -86,8 +86,8 @@ def _brick(body: Any, colliders: Sequence[Any], unit: float) -> Brick:
     path = body.GetPath()
     if len(colliders) != 1:
         raise ImportRefusedError(
-            f"rigid body '{path}' has {len(colliders)} colliders, but a brick has one convex shape: keep one "
-            "collider, or use a mesh of their convex hull"
+            f"rigid body '{path}' has {len(colliders)} colliders, but a brick has one convex shape: give the "
+            "body one collider, or use a mesh of their convex hull"
         )
     shape = _shape(colliders[0], unit, 1.0)
     given = UsdPhysics.MassAPI(body)

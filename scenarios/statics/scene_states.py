@@ -40,8 +40,8 @@ def scene_states(scene: Scene) -> Iterator[State]:
                 present.remove(brick)
             case _:
                 raise ValueError(
-                    f"statics decides only scenes that place and remove bricks, but {scene.variant} pushes, pulls or "
-                    "tilts: give the scene the outcome 'study'"
+                    f"statics decides only scenes that place and remove bricks, but {scene.variant} has the "
+                    f"action {type(action).__name__}: give the scene the outcome 'study'"
                 )
         if present and (then is None or then.time != action.time):
             yield State(tuple(present), placed, level, action.time)

@@ -155,11 +155,14 @@ def check_pile(bricks: Sequence[Brick], walls: Sequence[Brick], world: World) ->
         raise ValueError("bricks must contain at least one brick to judge, got none: pass the bricks in place")
     for index, brick in enumerate([*bricks, *walls]):
         if not np.isfinite([*brick.size, brick.mass, *brick.position, *brick.quaternion]).all():
-            raise ValueError(f"brick {index} must have finite numbers only, got {brick}: check for NaN")
+            raise ValueError(
+                f"brick {index} must have finite numbers only, got {brick}: check for NaN (the numbers of walls follow "
+                "the numbers of bricks)"
+            )
         if min(*brick.size, brick.mass) <= 0:
             raise ValueError(
                 f"brick {index} must have positive edges and mass, got {brick.size} m, {brick.mass} kg: give numbers "
-                "above 0"
+                "above 0 (the numbers of walls follow the numbers of bricks)"
             )
         check_solid(brick)
     if not (np.isfinite(world.gravity).all() and any(world.gravity)):

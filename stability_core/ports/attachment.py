@@ -54,7 +54,7 @@ class EnginePort(StabilityPort, Protocol):
 
 
 class Attachment(StabilityExtension):
-    """A stability extension that is attached to a user's simulation.
+    """A stability extension attached to a user's simulation.
 
     Call ``update(dt)`` after the engine's steps. Gravity follows the world's gravity. Bodies have the engine's ids.
     """
@@ -96,7 +96,7 @@ class Attachment(StabilityExtension):
         return super().update(dt)
 
     def adopt(self, bodies: Iterable[int] | None = None) -> Change:
-        """Judge bodies in place by statics at once, at the contacts of the present poses, and freeze those that stand.
+        """Judge bodies in place by statics, with the contacts of the present poses, and freeze bodies that stand.
 
         Call this method once the stack is built, before the first step. See ``StabilityExtension.adopt``.
         """
@@ -116,7 +116,7 @@ class Attachment(StabilityExtension):
         self.port.add(bodies)
 
     def remove(self, bodies: Iterable[int]) -> None:
-        """Stop controlling bodies; frozen bodies among them become live. Call this before you delete a body.
+        """Stop controlling bodies; frozen bodies among them become live. Call this method before you delete a body.
 
         Raises:
             RuntimeError: if the attachment is closed.
@@ -125,7 +125,7 @@ class Attachment(StabilityExtension):
         self.port.remove(bodies)
 
     def close(self) -> None:
-        """Unfreeze every body and let the world go, so that another extension can be attached."""
+        """Unfreeze every body, and release the world, so that the user can attach another extension."""
         _ATTACHED.pop(self.port.world, None)
         super().close()
 

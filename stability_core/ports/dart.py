@@ -12,8 +12,8 @@ that it has put to sleep. The port changes no setting of the world or of a live 
 Traps:
 
 - DART's list of contacts refers to freed memory once a skeleton has left the world. The port then finds the contacts
-  anew, until the next step. It cannot see that the last skeleton of a world was removed and added again between a step
-  and ``update``: do that after ``update``.
+  again, until the next step. The port cannot see that the user removed the last skeleton of a world and added it again
+  between a step and ``update``: remove and add this skeleton after ``update``.
 - DART keeps at most 1000 contacts. A live body whose contacts DART has dropped does not freeze.
 """
 
@@ -33,7 +33,7 @@ def open_port(world: Any, bodies: Collection[Any] | None) -> DartPort:
 
     Args:
         world: the world.
-        bodies: the skeletons or body nodes to control; None for all that can freeze.
+        bodies: the skeletons or body nodes to control; None for all bodies that can freeze.
 
     Raises:
         TypeError: if the world is no ``dartpy.simulation.World``.
@@ -68,7 +68,7 @@ class DartPort(FreeBodyPort):
         """Return the id of a skeleton of one body, or of a body node.
 
         Raises:
-            TypeError: for an object that is neither.
+            TypeError: for an object that is neither a skeleton nor a body node.
             ValueError: for a skeleton of several bodies.
             KeyError: if the body is not in the world.
         """
@@ -96,7 +96,9 @@ def _node_of(body: Any) -> Any:
     if isinstance(body, dartpy.dynamics.BodyNode):
         return body
     if not isinstance(body, dartpy.dynamics.Skeleton):
-        raise TypeError(f"the port to DART controls skeletons, got {type(body).__name__}: pass skeletons")
+        raise TypeError(
+            f"the port to DART needs a skeleton or a body node, got {type(body).__name__}: pass a skeleton of one body"
+        )
     count = body.getNumBodyNodes()
     if count != 1:
         raise ValueError(

@@ -1,6 +1,6 @@
 """Calls of DART for contacts and freezing, shared by the port and by the suite's adapter.
 
-Freezing: the skeleton is stopped and becomes immobile. DART leaves an immobile skeleton out of integration and of the
+Freezing: the skeleton stops and becomes immobile. DART leaves an immobile skeleton out of integration and of the
 contact problem, so that nothing moves it by a single bit. DART lists no contacts between two immobile skeletons.
 
 A normal of DART points from object 2 to object 1, so that object 2 is body a.
@@ -32,8 +32,8 @@ def unfreeze(skeleton: Any) -> None:
 class CollisionObjects:
     """Map from DART's collision objects to the ids of bodies.
 
-    The Python wrapper of a collision object is identified by a memory address. DART may reuse the address after the
-    skeleton is removed, so that the caller must call ``forget`` before it removes a skeleton, or ``clear`` afterwards.
+    A memory address identifies the Python wrapper of a collision object. DART may reuse the address after the
+    skeleton's removal. The caller must therefore call ``forget`` before it removes a skeleton, or ``clear`` afterwards.
     """
 
     def __init__(self, id_of: Callable[[Any], int]) -> None:
@@ -57,7 +57,7 @@ class CollisionObjects:
         return body
 
     def forget(self, body: int) -> None:
-        """Delete the collision object of a body from the map."""
+        """Delete the collision objects of a body from the map."""
         self._body_of = {shape: known for shape, known in self._body_of.items() if known != body}
 
     def clear(self) -> None:

@@ -51,7 +51,7 @@ def solid_of(node: Any) -> Solid | None:
 def box_around(node: Any) -> FloatArray:
     """Return the lower, then the upper corner [m] of the box around a body node's shapes along the world's axes, (6,).
 
-    The shapes' own bounding boxes are turned, so that the box is somewhat too large.
+    The function turns the shapes' own bounding boxes, so that the box is somewhat too large.
     """
     corners = [np.full((1, 3), np.inf)]
     for shape in colliding_shapes(node):

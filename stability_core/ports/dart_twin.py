@@ -33,7 +33,7 @@ class Original(NamedTuple):
 
 @contextmanager
 def present_contacts(world: Any, nodes: Mapping[int, Any]) -> Iterator[tuple[list[Any], dict[Any, Original]]]:
-    """Give the contacts among the copies, and the original of each copy's frame, until the context ends.
+    """Yield the contacts among the copies, and the original of each copy's frame; both are valid within the context.
 
     Args:
         world: the world.
@@ -55,7 +55,7 @@ def present_contacts(world: Any, nodes: Mapping[int, Any]) -> Iterator[tuple[lis
 
 
 def _enlarged(shape: Any) -> tuple[Any, float]:
-    """Return an enlarged copy of a shape, or the shape itself, and by how much it is larger on every side [m]."""
+    """Return an enlarged copy of a shape and its growth on every side [m], or the shape itself and 0."""
     match shape:
         case dynamics.BoxShape():
             return dynamics.BoxShape(shape.getSize() + 2 * GROWTH), GROWTH

@@ -168,9 +168,9 @@ def _touching(
 
     Args:
         contacts: DART's contacts.
-        objects: ids of the bodies.
-        concerns: whether the port needs the contacts of two bodies.
-        original_of: returns the shape node of a collision object's frame, and by how much the frame is larger [m].
+        objects: map from collision objects to ids of bodies.
+        concerns: returns True if the port needs the contacts of two bodies.
+        original_of: returns the shape node of a collision object's frame, and the growth of the frame [m].
     """
     every = [*contacts]
     ids = zip(*(side.tolist() for side in objects.pairs_of(every)), strict=True)

@@ -1,4 +1,4 @@
-"""A port to a MuJoCo simulation that the user owns. Its model must have ghosts: see ``prepare``.
+"""A port to a MuJoCo simulation that the user owns. The model must have ghosts: see ``prepare``.
 
 Ids are MuJoCo's body ids. The port controls the bodies that ``prepare`` gave a ghost. Bodies that are fixed to the
 world are the ground. All other bodies are obstacles: robots, mocap bodies, and bodies that the user leaves out. An
@@ -55,11 +55,11 @@ def open_port(world: Data, bodies: Collection[int | str] | None) -> MujocoPort:
 
     Args:
         world: the ``MjData``.
-        bodies: ids or names of the bodies to control; None for all that ``prepare`` gave a ghost.
+        bodies: ids or names of the bodies to control; None for all bodies that ``prepare`` gave a ghost.
 
     Raises:
         TypeError: if the world is not an ``MjData``.
-        ValueError: if the model has no ghosts, or a body has none.
+        ValueError: if the model or a body has no ghost.
     """
     if not isinstance(world, mujoco.MjData):
         raise TypeError(f"attach() needs MuJoCo's MjData, got {type(world).__name__}: pass data = mujoco.MjData(model)")
@@ -132,8 +132,9 @@ class MujocoPort:
         passed, self._time = self.data.time - self._time, self.data.time
         if passed < 0.0:
             raise ValueError(
-                "the time of this MuJoCo simulation went back, because it was reset by mj_resetData or after it "
-                "diverged: call close() of the extension before a reset, and attach() again after it"
+                f"the time of this MuJoCo simulation went back by {-passed:g} s, because mj_resetData or a divergence "
+                "reset the simulation, or the program set data.time: call close() of the extension before a reset, "
+                "and attach() again after it"
             )
         if dt > 0.0 and abs(passed - dt) > _STEP * self.model.opt.timestep:
             raise ValueError(

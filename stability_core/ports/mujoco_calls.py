@@ -79,7 +79,7 @@ def contact_forces(model: Model, data: Data, rows: IntArray) -> FloatArray:
 
 
 def speculative_rows(found: Found, rows: IntArray) -> IntArray:
-    """Return the places in ``rows`` (n,) of speculative contacts: forces before the bodies touch.
+    """Return the places in ``rows`` (n,) of speculative contacts, which have forces before the bodies touch.
 
     MuJoCo does not measure the distance of a speculative contact.
     """

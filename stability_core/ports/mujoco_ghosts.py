@@ -1,8 +1,8 @@
 """Freezing of a free body in MuJoCo, shared by the port and by the suite's adapter.
 
-MuJoCo cannot make a body static, so that each body has a second body, a mocap body with the same geoms (its "ghost").
-The frozen body is parked (without collisions, weight or cost), and the ghost collides at its pose. Nothing moves a
-mocap body: the drift is exactly zero. MuJoCo lists no contacts of ghosts with one another or with the ground, because
+MuJoCo cannot make a body static. Each body therefore has a mocap body with the same geoms (its "ghost"). A frozen body
+is parked: the body has no collisions, weight or cost, and the ghost collides at the body's pose. Nothing moves a mocap
+body, so that the drift is exactly zero. MuJoCo lists no contacts of ghosts with one another or with the ground, because
 MuJoCo counts a ghost as a part of the world body, like the ground.
 """
 
@@ -90,7 +90,7 @@ class FreeBody:
             self._model.tree_sleep_policy[self.tree] = policy
 
     def show_ghost(self, contype: IntArray, conaffinity: IntArray) -> None:
-        """Place the ghost at the body's pose, and make the ghost collide by these masks, each of shape (geoms,)."""
+        """Place the ghost at the body's pose, and set the ghost's collision masks, each of shape (geoms,)."""
         self._data.mocap_pos[self.mocap] = self.pose[:3]
         self._data.mocap_quat[self.mocap] = self.pose[3:]
         set_masks(self._model, self.ghost, self.ghost_geoms, contype, conaffinity)
@@ -119,7 +119,7 @@ def geoms_of(model: Model, body: int) -> IntArray:
 
 
 def set_masks(model: Model, body: int | None, geoms: IntArray, contype: IntArray, conaffinity: IntArray) -> None:
-    """Set the collision masks of geoms (n,), and of their body, because the former act only together with the latter.
+    """Set the collision masks of geoms (n,) and of their body, because a geom's masks act only with those of its body.
 
     Two geoms collide if the type of one geom and the affinity of the other share a bit.
     """

@@ -26,8 +26,8 @@ def prepare(spec: Spec, bodies: Collection[str] | None = None) -> Spec:
 
     Each controlled body gets a ghost: an invisible mocap body with the same geoms, which collides only while the body
     is frozen. Other bodies, joints, actuators and sensors keep their ids and their motions. A frozen body must be able
-    to sleep, so that the function enables MuJoCo's sleeping, but for frozen bodies only, unless the model has enabled
-    it.
+    to sleep. The function therefore enables MuJoCo's sleeping, but for frozen bodies only, unless the model has enabled
+    sleeping.
 
     Args:
         spec: the model.
@@ -48,8 +48,8 @@ def prepare(spec: Spec, bodies: Collection[str] | None = None) -> Spec:
     chosen = _free_bodies(spec) if bodies is None else [_checked(spec, name) for name in bodies]
     if not chosen:
         raise ValueError(
-            "this model has no body that could freeze: give the bodies of the stack a free joint (<freejoint/>), one "
-            "geom or more, and no bodies below them"
+            "prepare() found no body that could freeze: leave out bodies, or name at least one, and give the bodies of "
+            "the stack a free joint (<freejoint/>), one geom or more, and no bodies below them"
         )
     _let_frozen_sleep(spec)
     for body in chosen:
@@ -109,7 +109,7 @@ def _let_frozen_sleep(spec: Spec) -> None:
 
 
 def _roots(parent: Any) -> Iterator[Any]:
-    """Yield the roots of the kinematic trees below a body without joints: MuJoCo allows a sleep policy there only."""
+    """Yield the roots of the kinematic trees below a body, because MuJoCo allows a sleep policy at roots only."""
     for body in parent.bodies:
         if body.joints:
             yield body

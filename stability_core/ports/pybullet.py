@@ -6,7 +6,8 @@ counts as a body that the host moves. A plane counts as the ground.
 
 Contacts: Bullet lists penetrating points only; the port adds the missing corners of contact areas between boxes,
 cylinders, convex meshes and planes. The velocities before a step are the velocities after the previous update, so that
-approach speeds are exact if ``update`` follows each step. If several steps make a frame, they lack the fall of a frame.
+approach speeds are exact if ``update`` follows each step. If several steps make a frame, approach speeds lack the fall
+of the frame.
 
 Bullet's own sleep is off for controlled bodies, because it does not end when a support is removed.
 """

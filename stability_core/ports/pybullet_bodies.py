@@ -49,7 +49,7 @@ class PybulletBodies:
         self._places: dict[int, object] = {}
 
     def follow(self) -> None:
-        """Control new free bodies, if the port controls all; forget bodies that left the world."""
+        """Control new free bodies, if the port controls all bodies; forget bodies that left the world."""
         client = self._client
         count = pybullet.getNumBodies(client)
         if count == self.count:
@@ -128,7 +128,7 @@ class PybulletBodies:
         return kept
 
     def next_changed(self) -> list[int]:
-        """Check the next controlled body, in turn; return it if Bullet has another mass or pose than the record.
+        """Check the next controlled body, in turn; return the body if Bullet's mass or pose differs from the record.
 
         A host may remove a body and add another between two updates, and Bullet gives the new body the same id. A host
         may also move a frozen body, or change its mass.
@@ -150,7 +150,7 @@ class PybulletBodies:
         return [] if mass == 0.0 and stays else [body]
 
     def take_removed(self) -> list[int]:
-        """Return the ids that left since the previous call."""
+        """Return the ids of bodies that left the world or the port's control since the previous call."""
         removed, self._removed = self._removed, []
         return removed
 
@@ -183,7 +183,7 @@ class PybulletBodies:
         return has_mass or bool(pybullet.getNumJoints(body, self._client))
 
     def _obstacle(self, body: int, link: int) -> int:
-        """Return the id of an obstacle or its link; a new obstacle is added. A plane is the ground."""
+        """Return the id of an obstacle or its link, and add a new obstacle. A plane is the ground."""
         if body in self._planes:
             return GROUND
         key = body + (link + 1) * LINK_ID

@@ -28,7 +28,7 @@ def solid_of(body: int, client: int, *, is_hull: bool) -> Solid | None:
         is_hull: True if a mesh collides as its convex hull, as meshes of free bodies do.
 
     Returns:
-        None if the shape is round, concave or compound: Bullet's own contacts stand for themselves.
+        None if the shape is round, concave or compound, because the port then adds no corners.
     """
     shapes = _shapes_of(body, client)
     if len(shapes) != 1:

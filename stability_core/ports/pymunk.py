@@ -8,10 +8,11 @@ Plane: pymunk's axes x and y are the core's axes x and z. A contact point repres
 the reach of the smaller body, and the port lists both ends. Units are the space's own, because the core counts lengths
 in sizes of a body. Where a docstring says metre, read the unit of the space, for example a pixel.
 
-Contacts: Chipmunk lists overlapping pairs. It lists no contact between a kinematic and a frozen body, so that the port
-queries the shapes of kinematic and static bodies that have moved. It lists a blow in the step that has solved it, so
-that the port looks ahead of fast bodies. The velocities before a step are those after the previous update. If several
-steps make a frame, approach speeds lack the fall of the frame. While all is frozen, the port looks less often.
+Contacts: Chipmunk lists overlapping pairs. Chipmunk lists no contact between a kinematic and a frozen body, so that the
+port queries the shapes of kinematic and static bodies that have moved. Chipmunk lists an impact only in the step that
+has solved it, so that the port looks ahead of fast bodies. The port uses the velocities after the previous update as
+the velocities before a step. If several steps make a frame, approach speeds lack the fall of the frame. While all
+bodies are frozen, the port reads the space less often.
 """
 
 from __future__ import annotations
@@ -89,7 +90,7 @@ class PymunkPort:
     # -- called by the attachment ------------------------------------------------------------------
 
     def gravity(self) -> tuple[float, float, float]:
-        """Return the space's gravity at the latest look, along the core's axes."""
+        """Return the space's gravity, as the port read it last, along the core's axes."""
         x, y = self._gravity
         return x, 0.0, y
 

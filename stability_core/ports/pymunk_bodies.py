@@ -1,4 +1,4 @@
-"""Record of the bodies of a pymunk space: which are live, frozen or obstacles, and the row of each in arrays.
+"""Record of the bodies of a pymunk space: live bodies, frozen bodies and obstacles, and the row of each body in arrays.
 
 The port numbers the bodies, because pymunk identifies them by memory addresses. A body keeps its id while it is in the
 space. Rows are in the order of the ids; the last row is the space's own static body, which counts as the ground.
@@ -22,7 +22,7 @@ AUDIT_EVERY = 8
 
 
 class Inertia(NamedTuple):
-    """What a body loses when it becomes static."""
+    """The properties that a body loses when it becomes static."""
 
     mass: float
     moment: float
@@ -69,7 +69,7 @@ class PymunkBodies:
     # -- bodies that come and go -------------------------------------------------------------------
 
     def follow(self) -> bool:
-        """Follow bodies, joints and shapes that come and go, and masses; return True if the rows have changed."""
+        """Follow masses, and bodies, joints and shapes that come and go; return True if the rows have changed."""
         space = self._space
         seen = list(space.bodies), list(space.constraints), len(space.shapes)
         rows: list[int] = np.flatnonzero(self.is_live).tolist() if self.live else []
@@ -84,7 +84,7 @@ class PymunkBodies:
         return True
 
     def are_at_rest(self) -> bool:
-        """Return True if no body moves by itself, and no number of bodies, joints and shapes has changed."""
+        """Return True if no body moves by itself, and the numbers of bodies, joints and shapes are unchanged."""
         if self.live or self.has_loose or self.has_kinematic or self._seen is None:
             return False
         (bodies, joints, shapes), space = self._seen, self._space
@@ -146,12 +146,12 @@ class PymunkBodies:
                 self._let_go(planar)
 
     def take_removed(self) -> list[int]:
-        """Return the ids that left since the previous call."""
+        """Return the ids of bodies that left the space or the port's control since the previous call."""
         removed, self._removed = self._removed, []
         return removed
 
     def has_news(self) -> bool:
-        """Return True if an id has left since the latest ``take_removed``."""
+        """Return True if a body has left the space or the port's control since the latest ``take_removed``."""
         return bool(self._removed)
 
     def body_of(self, body: int) -> pymunk.Body:
@@ -207,7 +207,7 @@ class PymunkBodies:
         self._removed.append(self.id_of[planar])
 
     def _forget(self, planar: pymunk.Body) -> None:
-        """Forget a body that left the space. The host gets it back as it was, and may add it again."""
+        """Forget a body that left the space, and make a frozen body dynamic, because the host may add it again."""
         body = self.id_of[planar]
         if planar in self.live or planar in self.frozen:
             self._let_go(planar)

@@ -1,13 +1,14 @@
 """Calls of pymunk for freezing, shared by the port and by the suite's adapter.
 
-Freezing: the body is stopped and becomes static. Nothing moves it by a single bit. A body that becomes dynamic again
+Freezing: the body stops and becomes static. Nothing moves it by a single bit. A body that becomes dynamic again
 has lost its mass and moment of inertia, so that the caller sets both.
 
 Traps:
 
-- A static body keeps the pending correction of its overlap (``v_bias``), which would move the body after it is
-  unfrozen. An integration over a time of 0 clears the correction.
-- Chipmunk keeps the arbiters of two static bodies for ever, with points in memory that other contacts soon reuse.
+- A static body keeps the pending correction of its overlap (``v_bias``), which would move the body after
+  ``unfreeze``. An integration over a time of 0 clears the correction.
+- Chipmunk keeps the arbiters (contact records) of two static bodies for ever. Other contacts soon reuse the memory of
+  their points.
   ``forget_pairs`` deletes the arbiters.
 - A change of the body type in a callback of a step aborts the process.
 """
@@ -39,7 +40,7 @@ def unfreeze(planar: pymunk.Body, mass: float, moment: float) -> None:
 def forget_pairs(space: pymunk.Space, planar: pymunk.Body) -> None:
     """Delete the arbiters of a newly frozen body; the next step detects its contacts with live bodies again.
 
-    Chipmunk deletes the arbiters of a shape that is removed.
+    The function removes and adds the shapes, because Chipmunk deletes the arbiters of a removed shape.
     """
     shapes = [shape for shape in planar.shapes if shape.space is space]
     space.remove(*shapes)

@@ -87,7 +87,7 @@ class SpaceReader:
         self._latest = None
 
     def has_changed(self) -> bool:
-        """Return True if a pose or a velocity has changed since the previous call, or no call was made."""
+        """Return True if a pose or a velocity has changed since the previous call; True in the first call."""
         self._fill_with_state()
         raw, self._raw = self._raw, bytes(self._buffer.float_buf())
         return raw != self._raw

@@ -69,10 +69,10 @@ def reach_of(shape: pymunk.Shape, center: Point) -> float:
     return radius + max(math.hypot(x - center[0], y - center[1]) for x, y in local)
 
 
-def found_contacts(shapes: list[pymunk.Shape], others: list[pymunk.Shape]) -> Arbiters:
-    """Return the contacts of ``shapes`` among each other and with ``others``, up to a gap of ``NEAR``."""
+def found_contacts(shapes: list[pymunk.Shape], partners: list[pymunk.Shape]) -> Arbiters:
+    """Return the contacts of ``shapes`` with one another and with ``partners``, up to a gap of ``NEAR``."""
     arbiters, numbers = [], []
-    every = [*shapes, *others]
+    every = [*shapes, *partners]
     outlines = [outline_of(shape) for shape in every]
     for i, j in _near_pairs(outlines, len(shapes)):
         a, b = every[i], every[j]
@@ -99,7 +99,7 @@ def touch_of(a: Outline, b: Outline) -> Touch:
 
 
 def meeting_of(a: Outline, b: Outline, way: Point) -> Touch | None:
-    """Return the contact in which shape a meets shape b, if a moves by ``way`` without turning; None if they miss.
+    """Return the contact in which shape a meets shape b, if a moves by ``way`` without turning; None without a meeting.
 
     The points lie on b. Their distance is the way of a along the normal until the shapes meet (conservative
     advancement).

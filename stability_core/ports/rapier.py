@@ -51,7 +51,7 @@ def open_port(world: Any, bodies: Collection[int] | None) -> FreeBodyPort:
         bodies: ids of the bodies to control, see ``id_of``; None for all bodies that can freeze.
 
     Raises:
-        TypeError: if the world is another object.
+        TypeError: if ``world`` is no ``rapier3d.PhysicsWorld``.
         ValueError: if a body cannot freeze.
     """
     if not isinstance(world, rapier3d.PhysicsWorld):
@@ -106,8 +106,8 @@ class RapierWorld(FreeBodyWorld):
     def rest(self) -> None:
         """Take frozen bodies off Rapier's list of active bodies, one stage a call.
 
-        A body whose type has changed stays on the list, unless it is kinematic and has been asleep for a step. A
-        kinematic body at rest keeps its place as a fixed one does.
+        A body whose type has changed stays on the list, unless the body is kinematic and has been asleep for a step. A
+        kinematic body at rest keeps its place as a fixed body does.
         """
         present = self._bodies.views.keys()
         for body in self._asleep & present:
@@ -168,7 +168,7 @@ class RapierWorld(FreeBodyWorld):
         return body in self._bodies.views and bool(self._bodies.views[body].is_kinematic)
 
     def is_mover(self, body: int) -> bool:
-        """Return True if a body that the port does not control moves by forces: a link of a robot, a free body."""
+        """Return True if a body that the port does not control moves by forces: a free body, or a body with joints."""
         return body in self._bodies.views and bool(self._bodies.views[body].is_dynamic)
 
     def freeze(self, body: int) -> None:

@@ -20,7 +20,8 @@ Pair: TypeAlias = tuple[int, int, rapier3d.ContactPair]
 def id_of(handle: rapier3d.RigidBodyHandle) -> int:
     """Return the id of a body.
 
-    It is the handle's index, plus 2**32 times its generation, which is 0 unless Rapier has used the index before.
+    The id is the handle's index plus 2**32 times the handle's generation. The generation is 0 unless Rapier has used
+    the index before.
     """
     return _number(handle)
 

@@ -22,7 +22,7 @@ def frames_of(collider: rapier3d.Collider) -> list[Frame]:
     """Return the frames, in the frame of the body, in which Rapier gives the points of a collider.
 
     Returns:
-        A frame for each shape of a compound collider, otherwise one frame. Empty if the one frame is the body's own.
+        A frame for each shape of a compound collider, otherwise one frame. Empty if that frame is the body's own.
     """
     placed = collider.position_wrt_parent or rapier3d.Isometry3.identity()  # None without a body
     compound = collider.shape.as_compound()
@@ -39,7 +39,7 @@ def solid_of(colliders: list[rapier3d.Collider], center: FloatArray) -> Solid | 
         center: centre of mass in the frame of the body [m], shape (3,).
 
     Returns:
-        None if the shape is round, concave or compound: Rapier's own contacts stand for themselves.
+        None if the shape is round, concave or compound, because the port then adds no corners.
     """
     if len(colliders) != 1:
         return None
@@ -62,7 +62,7 @@ def solid_of(colliders: list[rapier3d.Collider], center: FloatArray) -> Solid | 
 
 
 def in_bodies(local: FloatArray, frames_a: list[Frame], frames_b: list[Frame]) -> FloatArray:
-    """Return normals and points (n, 9) in the frames of the bodies, given those in n frames of their colliders."""
+    """Return normals and points (n, 9) in the frames of bodies, from their values in n frames of colliders."""
     if not len(local):
         return local
     (at_a, turn_a), (at_b, turn_b) = (map(np.array, zip(*frames, strict=True)) for frames in (frames_a, frames_b))

@@ -39,7 +39,7 @@ def open_port(world: Any, bodies: Collection[int] | None) -> FreeBodyPort:
         bodies: ``entity.per_scene_id`` of the bodies to control; None for all bodies that can freeze.
 
     Raises:
-        TypeError: if the world is neither, or has no PhysX on the processor.
+        TypeError: if ``world`` is no scene and no ``PhysxCpuSystem``, or the scene has no PhysX on the processor.
         ValueError: if a body cannot freeze.
     """
     system = world.physx_system if isinstance(world, sapien.Scene) else world
@@ -103,7 +103,10 @@ class SapienWorld(FreeBodyWorld):
         return True
 
     def can_read(self, bodies: Collection[int]) -> bool:
-        """Return True if the bodies are static and in the scene: rows of other bodies change with any body."""
+        """Return True if all ``bodies`` are static and in the scene.
+
+        The rows of dynamic bodies change whenever a body comes or goes.
+        """
         parts = [self._components[body] for body in bodies]
         return all(isinstance(part, physx.PhysxRigidStaticComponent) and part.entity is not None for part in parts)
 
@@ -188,7 +191,7 @@ class SapienWorld(FreeBodyWorld):
         return isinstance(self._components[body], physx.PhysxRigidDynamicComponent)
 
     def _note_parents(self, part: Component) -> bool:
-        """Return True if a body is joined to another or to the world, and note the other body."""
+        """Return True if a joint ties a body to a second body or to the world, and record the second body."""
         joints = [each for each in part.entity.components if isinstance(each, physx.PhysxJointComponent)]
         self._parents |= {self._ids[joint.parent] for joint in joints if joint.parent in self._ids}
         return bool(joints)

@@ -55,7 +55,7 @@ def listed_pairs(
     Args:
         contacts: contacts of a ``PhysxCpuSystem``.
         body_of: returns the id of a component; None for a body that was removed after the latest step.
-        concerns: returns True if the contacts of two bodies are wanted.
+        concerns: returns True if the port needs the contacts of two bodies.
     """
     wanted = []
     for contact in contacts:

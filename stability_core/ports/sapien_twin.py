@@ -18,7 +18,7 @@ INSTANT_S = 1e-6
 
 @contextmanager
 def present_contacts(components: Mapping[int, Component]) -> Iterator[tuple[list[Any], dict[Component, int]]]:
-    """Give the contacts at the present poses, and the id of each component in them, until the context ends.
+    """Yield the contacts at the present poses, and the id of each component in them; both are valid within the context.
 
     A second world with copies of the bodies, weightless and at rest, makes one step of ``INSTANT_S``. PhysX detects
     contacts at the start of a step. The first world does not change.

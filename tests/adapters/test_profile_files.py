@@ -104,7 +104,7 @@ def test_a_file_is_read_with_its_shared_knobs(tmp_path) -> None:
         ),
         (
             ('shared = ["stiff"]', 'shared = ["soft"]'),
-            "profiles.game.shared: the table [shared.soft] does not exist; use one of: stiff",
+            "profiles.game.shared must be a list of names of tables [shared.NAME], got 'soft'; use one of: stiff",
         ),
         (
             ('shared = ["stiff"]', ""),

@@ -97,8 +97,8 @@ def is_static(scene: Scene) -> bool:
 def _check(scene: Scene) -> None:
     if not is_static(scene):
         raise ValueError(
-            f"a prebuilt scene may only place and remove bricks, but {scene.variant} pours, pushes or pulls "
-            "bricks: use built = 'one_by_one'"
+            f"a prebuilt scene may only place and remove bricks, but {scene.variant} also pours or moves bricks: use "
+            "built = 'one_by_one'"
         )
     if scene.expectation.outcome == "study":
         raise ValueError(

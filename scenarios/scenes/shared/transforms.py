@@ -43,8 +43,8 @@ def resized(scene: Scene, size: object) -> Scene:
         return replace(scene, parameters={**scene.parameters, "size": factor})
     if not is_static(scene):
         raise ValueError(
-            f"parameter 'size' applies only to scenes that place and remove bricks, but {scene.variant} pours, "
-            "pushes or pulls bricks: leave out 'size'"
+            f"parameter 'size' applies only to scenes that place and remove bricks, but {scene.variant} also "
+            "pours or moves bricks: leave out 'size'"
         )
     suffix = f"-size{short(factor)}"
     pace = pace_of(factor)

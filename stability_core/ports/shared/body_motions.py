@@ -1,4 +1,4 @@
-"""Rows of motions of bodies, in the columns of ``COLUMNS``, and what they show of a world."""
+"""Rows of motions of bodies, in the columns of ``COLUMNS``, and checks of these rows."""
 
 from __future__ import annotations
 

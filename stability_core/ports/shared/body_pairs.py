@@ -20,8 +20,8 @@ def pairs_of(
 ) -> Iterator[tuple[int, int, Item]]:
     """Yield bodies a and b, and the pair, for every pair that touches one of ``bodies``, without duplicates.
 
-    If they are most of the world's bodies, the function reads all pairs in one call of the engine, otherwise the pairs
-    of each body.
+    If ``bodies`` are most of the world's bodies, the function reads all pairs in one call of the engine. Otherwise it
+    reads the pairs of each body.
 
     Args:
         bodies: ids of the bodies, in a container with fast membership tests.

@@ -59,7 +59,7 @@ class FreeBodies:
         """Follow the world through a frame of ``dt`` [s], and find the frozen bodies that the host has moved.
 
         Returns:
-            The live bodies that can no longer freeze, because the user has joined them to others, for example.
+            The next live body, in turn, if it can no longer freeze, for example because the user has added a joint.
         """
         self._look_s += dt
         self.has_looked = self._look_s >= LOOK_S or dt == 0.0
@@ -74,7 +74,7 @@ class FreeBodies:
         return self._check_next()
 
     def follow(self) -> None:
-        """Control new free bodies, if the port controls all; forget bodies that left the world."""
+        """Control new free bodies, if the port controls all bodies; forget bodies that left the world."""
         if not self._world.has_changed():
             return
         present = set(self._world.bodies())
@@ -185,7 +185,7 @@ class FreeBodies:
             self.moved = [frozen[row] for row in np.flatnonzero(differs).tolist()]
 
     def _check_next(self) -> list[int]:
-        """Check the mass of one live body, in turn; return it if it can no longer freeze."""
+        """Check the next live body, in turn; return it if it can no longer freeze, otherwise record its mass."""
         if not self.live:
             return []
         if not self._unchecked:

@@ -1,12 +1,12 @@
 """``FreeBodyPort``: a port to a user's world of free rigid bodies, whatever the engine.
 
 Bodies that the port does not control are obstacles. An obstacle that touches a controlled body counts as a body that
-the host moves; a half space counts as the ground. The velocities before a step are those after the previous update, so
-that approach speeds are exact if ``update`` follows each step. If several steps make a frame, they lack the fall of a
-frame.
+the host moves; a half space counts as the ground. The port uses the velocities after the previous update as the
+velocities before a step, so that approach speeds are exact if ``update`` follows each step. If several steps make a
+frame, approach speeds lack the fall of the frame.
 
-The engines do not collide a frozen body with a kinematic one. The port therefore unfreezes the frozen bodies beside a
-kinematic body that moves. Their normal forces come from the engine, their friction from the bodies' momentum.
+The engines do not collide a frozen body with a kinematic body. The port therefore unfreezes the frozen bodies beside a
+kinematic body that moves. Normal forces come from the engine, friction forces from the bodies' momentum.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""``FreeBodyWorld``: what ``FreeBodyPort`` reads and controls of an engine's world of rigid bodies."""
+"""``FreeBodyWorld``: the interface by which ``FreeBodyPort`` reads and controls an engine's world of rigid bodies."""
 
 from __future__ import annotations
 
@@ -55,14 +55,14 @@ class FreeBodyWorld(ABC):
         """Raise ``ValueError`` if the engine itself reports that the simulation has diverged."""
 
     def rest(self) -> None:  # noqa: B027 # few engines need it
-        """Make the engine's steps skip the frozen bodies. The port calls this at times while no body is live."""
+        """Make the engine's steps skip the frozen bodies. The port may call this method while no body is live."""
 
     @abstractmethod
     def has_changed(self) -> bool:
-        """Return True if bodies have come or gone since the previous call. ``bodies`` then returns the new ones."""
+        """Return True if bodies have come or gone since the previous call. ``bodies`` then returns the present ids."""
 
     def can_read(self, bodies: Collection[int]) -> bool:
-        """Return True if the motions of bodies can be read without a call of ``has_changed``, at little cost."""
+        """Return True if ``motions`` can read ``bodies`` without a call of ``has_changed``, at little cost."""
         return not bodies
 
     @abstractmethod
@@ -110,9 +110,9 @@ class FreeBodyWorld(ABC):
         """Return the contacts of the latest step that ``concerns`` names.
 
         Args:
-            concerns: whether the port needs the contacts of two bodies.
-            bodies: the live bodies and the movers, to one of which each of these contacts belongs, for engines that
-                list the contacts of one body.
+            concerns: returns True if the port needs the contacts of two bodies.
+            bodies: the live bodies and the movers, for engines that list the contacts of one body. Each contact that
+                ``concerns`` names touches a body of this set.
         """
 
     @abstractmethod

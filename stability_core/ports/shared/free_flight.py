@@ -1,7 +1,7 @@
 """Checks that the time passed to ``update`` is the time of the engine's steps: whole steps, and bodies in free flight.
 
-A body without contacts moves by its velocity times the length of the frame. If it moves by another multiple in several
-frames in a row, the host has stepped more or less often than it says.
+A body without contacts moves by its velocity times the length of the frame. If the body moves by the same other
+multiple in several frames in a row, ``dt`` is not the time of the engine's steps.
 """
 
 from __future__ import annotations
@@ -69,7 +69,9 @@ class FreeFlight:
         rows: FloatArray,
         dt: float,
     ) -> None:
-        """Compare the way of the live bodies without contacts in this and the previous frame with their velocities.
+        """Compare the ways of bodies in free flight with their velocities.
+
+        A live body is in free flight if it has no contact in this frame and in the previous frame.
 
         Args:
             live: the live bodies.

@@ -10,7 +10,7 @@ mu of friction satisfy
 
 with + if body i is body b of contact c, and - if body i is body a.
 
-In a column the balance determines the friction of each joint. For a body on several supports the balance
+In a column the balance determines the friction of each pair of bodies. For a body on several supports the balance
 does not determine the friction; the minimum then shares friction in proportion to the loads. The module neglects
 torques about the normal. Conjugate gradients (CGLS), started from zero, find the least-squares solution
 of smallest norm.

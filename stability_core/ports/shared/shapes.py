@@ -40,7 +40,7 @@ class Solid(NamedTuple):
 
 
 class ShapeTable:
-    """Vertices and poses of bodies. Contacts of a body without vertices are not completed."""
+    """Vertices and poses of bodies. The table does not complete the contacts of a body without vertices."""
 
     def __init__(self) -> None:
         self._solids: dict[int, Solid] = {}

@@ -88,6 +88,6 @@ def test_a_program_that_is_not_there_is_reported_with_its_entry(
 
     with pytest.raises(
         ImportError,
-        match=r"the program 'no-such-program' does not exist.*its command runs: \['no-such-program'\], from",
+        match=r"'no-such-program' must be an executable program in .*its command runs: \['no-such-program'\], from",
     ):
         capabilities("mine")

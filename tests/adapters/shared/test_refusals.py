@@ -24,7 +24,11 @@ ALL = replace(BOXES_ONLY, shapes=("box", "sphere"), own_friction=True, restituti
     ("world", "brick", "why"),
     [
         (World(), BALL, "builds no sphere, because .* yet: use one of box"),
-        (World(friction=0.4), replace(BOX, friction=0.2), "friction of its own, got 0.2 in a world of 0.4"),
+        (
+            World(friction=0.4),
+            replace(BOX, friction=0.2),
+            "friction of its own, got 0.2 in a world with the coefficient 0.4",
+        ),
         (World(), replace(BOX, restitution=0.3), "restitution 0 only, got 0.3"),
         (World(restitution=0.5), BOX, "set the world's restitution to 0"),
         (World(), replace(BOX, moments=(1.0, 1.0, 1.0)), "homogeneous bodies only"),

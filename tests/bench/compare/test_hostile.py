@@ -53,7 +53,7 @@ HOSTILE = {
     "infinity": (lambda good: trial(good, creep_m_s=float("-inf")), "every number must be finite, got -Infinity"),
     "key twice": (
         lambda good: good.read_text().replace('"study":', '"study": "x", "study":'),
-        "key 'study' must occur once in an object, got two values",
+        "key 'study' must occur once in an object, but occurs again",
     ),
     "wrong type": (lambda good: trial(good, height_levels="three"), "height_levels"),
     "number as text": (lambda good: trial(good, height_levels="3"), "height_levels"),
@@ -107,7 +107,7 @@ def test_a_baseline_replaces_a_baseline_and_nothing_else(make, good, tmp_path) -
     assert read_baseline(good).trials[0].height_levels == 2
     other = tmp_path / "notes.json"
     other.write_text("{}")
-    with pytest.raises(BaselineError, match="but is a file of another kind: name another file"):
+    with pytest.raises(BaselineError, match="but is a file of another kind, or damaged: name another file"):
         write_baseline(make.side(), other)
     assert other.read_text() == "{}"
     with pytest.raises(BaselineError, match="must be a file, but is a folder"):
@@ -148,10 +148,10 @@ def test_a_number_of_many_digits_a_deep_nest_and_a_lone_surrogate_are_no_surpris
 @pytest.mark.parametrize(
     ("file", "content", "message"),
     [
-        ("trials.jsonl", "", "needs at least one trial, but the folder contains none"),
+        ("trials.jsonl", "", "needs at least one trial, but the file contains none"),
         ("trials.jsonl", "[]\n", "not a trial record"),
         ("trials.jsonl", "{RECORD}\n{RECORD}\n", "occurs twice"),
-        ("trials.jsonl", '{"seed": 1, {RECORD_BODY}\n', "key 'seed' must occur once in an object, got two values"),
+        ("trials.jsonl", '{"seed": 1, {RECORD_BODY}\n', "key 'seed' must occur once in an object, but occurs again"),
         ("study.toml", "name = 1", "not the study file of a run"),
         ("study.toml", "a = " + "[" * 50_000, "not valid TOML"),
         ("environment.json", "[]", "not the environment file of a run"),

@@ -26,7 +26,7 @@ def test_versions_without_a_value_are_named() -> None:
     assert (found.last_old, found.first_new, found.untested) == (1, 4, (2, 3))
 
 
-@pytest.mark.parametrize(("values", "reason"), [([9.0, 9.0], "do not differ"), ([None, 9.0], "need a value")])
+@pytest.mark.parametrize(("values", "reason"), [([9.0, 9.0], "do not differ"), ([None, 9.0], "must have a value")])
 def test_ends_must_differ(values, reason) -> None:
     with pytest.raises(BisectionError, match=reason):
         first_new(2, values.__getitem__, "levels")

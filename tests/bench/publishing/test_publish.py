@@ -123,7 +123,7 @@ def test_half_a_study_is_refused_with_the_command_that_goes_on(run, tmp_path) ->
 @pytest.mark.parametrize("changed", [{"modified": True}, {"commit": None}])
 def test_what_no_commit_holds_is_refused(run, tmp_path, changed) -> None:
     write_environment(run, **changed)
-    with pytest.raises(PublishError, match="but the sources had changes; commit the changes"):
+    with pytest.raises(PublishError, match=r"must use committed sources, got modified = .*; commit the changes"):
         publish("made-up", run, tmp_path / "docs")
 
 

@@ -117,7 +117,7 @@ def test_a_page_whose_mark_is_old_is_refused(source: Source, tmp_path) -> None:
     """The core changed after the page was made, and nobody marked the page."""
     with pytest.raises(
         RoundError,
-        match=r"the mark must be of the present core, but is of another core; run 'python -m bench.publishing --mark'",
+        match=r"the mark must be of the round's core, f{12}, but is missing or of another core; run 'python -m",
     ):
         freeze(DAY, replace(source, core="f" * 12), tmp_path / "rounds")
     (source.folder / "new" / "tables.md").write_text("# new\n")

@@ -78,7 +78,7 @@ def test_a_fault_of_some_scenes_and_policies_flags_these_alone() -> None:
         (('["creeps"]', '["crawls"]'), "symptoms.0: .*'false_stand', 'false_collapse', 'creeps'"),
         (('["creeps"]', "[]"), "symptoms"),
         (("sentence", "words"), "sentence"),
-        (("engine", 'last = "new"\nengine'), "no number; write a version such as 3.10.0"),
+        (("engine", 'last = "new"\nengine'), "must begin with a number, got 'new'; write a version such as 3.10.0"),
         (("engine", "scenes = [{ ratio = 2.0 }]\nengine"), "a scene needs its scenario"),
     ],
 )

@@ -101,7 +101,7 @@ def test_removing_what_carries_nothing_changes_nothing():
 
 
 def test_a_push_is_no_matter_of_statics():
-    with pytest.raises(ValueError, match="bridge pushes, pulls or tilts"):
+    with pytest.raises(ValueError, match="bridge has the action Push"):
         first_fall(bridge(Push(2.0, 1, (0.1, 0.0, 0.0))))
 
 

@@ -54,7 +54,7 @@ def test_a_skeleton_instead_of_a_world() -> None:
 
 
 def test_numbers_instead_of_skeletons() -> None:
-    with pytest.raises(TypeError, match=r"controls skeletons, got int: pass skeletons"):
+    with pytest.raises(TypeError, match=r"needs a skeleton or a body node, got int: pass a skeleton"):
         attach(open_world(), bodies=[3])
 
 

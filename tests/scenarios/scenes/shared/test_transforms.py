@@ -139,6 +139,6 @@ def test_a_size_that_makes_no_scene_names_what_is_allowed(size):
 
 
 def test_what_is_pulled_has_one_size_only():
-    with pytest.raises(ValueError, match=r"scenario jenga: .* pushes or pulls bricks: leave out 'size'"):
+    with pytest.raises(ValueError, match=r"scenario jenga: .* also pours or moves bricks: leave out 'size'"):
         build("jenga", speed=0.1, size=10)
     assert "size" not in SCENARIOS["pushed_plank"].parameters
