@@ -73,7 +73,7 @@ def test_missing_libraries_are_named(monkeypatch) -> None:
 
     monkeypatch.setattr(_ode_library, "_DEBIAN", "libode.so.none")
     monkeypatch.setattr(importlib.util, "find_spec", lambda _: None)
-    with pytest.raises(ImportError, match=r"install libode\.so\.none or the package 'panda3d'"):
+    with pytest.raises(ImportError, match=r"neither is installed; install libode\.so\.none, or the version of panda3d"):
         _ode_library._opened()
 
 

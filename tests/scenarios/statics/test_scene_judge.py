@@ -64,4 +64,4 @@ def test_a_removal_is_judged():
 
 def test_doubt_names_its_reason():
     assert "convention" in judge(build("card_house", storeys=1, friction=0.2)).why
-    assert "pushes" in judge(build("pushed_plank")).why
+    assert "has the action Push" in judge(build("pushed_plank")).why
