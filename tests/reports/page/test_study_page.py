@@ -223,6 +223,15 @@ def test_the_heat_map_is_walked_by_keys_and_leads_to_the_numbers(page, open_page
     assert all(all(word in text for word in row) for text in shown(opened))
 
 
+def test_a_run_without_the_engines_sleeping_says_where_sleeping_is_shown(tmp_path, open_page) -> None:
+    notes = {
+        policy: open_page(page_of(tmp_path / policy, [record(policy=policy)])).locator("#policies").inner_text()
+        for policy in ("none", "native")
+    }
+    assert "docs/results/sleep/tables.md" in notes["none"]
+    assert "docs/results/sleep/tables.md" not in notes["native"]
+
+
 def test_a_clicked_cell_keeps_its_line_while_the_pointer_crosses_other_cells(page, open_page) -> None:
     opened = open_page(page)
     cells = opened.locator(".heat tbody td:not(.figure)")
