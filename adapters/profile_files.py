@@ -172,7 +172,8 @@ def _substeps(where: str, table: Mapping[str, Any]) -> int:
     substeps = table.get("substeps")
     if type(substeps) is not int or substeps < 1:
         raise ProfileFileError(
-            f"{where}.substeps must be a whole number of steps per frame, at least 1, got {substeps!r}"
+            f"{where}.substeps must be a whole number of steps per frame, at least 1, got {substeps!r}; write, for "
+            "example, substeps = 4"
         )
     return substeps
 

@@ -202,6 +202,9 @@ def _entry(path: Path, name: str, table: Any) -> ExternalEntry:
     if profiles is not None and not isinstance(profiles, str):
         raise EnginesFileError(f"{where}: 'profiles' must be the name of a file, such as 'NAME.toml', got {profiles!r}")
     if type(timeout_s) not in (int, float) or not 0.0 < timeout_s < float("inf"):
-        raise EnginesFileError(f"{where}: 'timeout_s' must be a time in seconds, more than 0, got {timeout_s!r}")
+        raise EnginesFileError(
+            f"{where}: 'timeout_s' must be a finite time in seconds, more than 0, got {timeout_s!r}; write, for "
+            "example, timeout_s = 60"
+        )
     folder = path.parent.absolute()
     return ExternalEntry(name, tuple(command), folder, folder / profiles if profiles else None, float(timeout_s), where)

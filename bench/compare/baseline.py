@@ -100,10 +100,10 @@ def _read_baseline_file(path: Path) -> Baseline:
 
 
 def with_packed_traces(side: Baseline) -> Baseline:
-    """Return a side that needs no files of its results folder: with the pose traces of all its pose hashes.
+    """Return a copy of the side that contains the pose traces of all its pose hashes, and needs no files.
 
     Raises:
-        BaselineError: if a trace cannot be read.
+        BaselineError: if a trace is missing or unreadable.
     """
     hashes = {record.pose_hash for record in side.trials} | {
         value for hashes in side.poses.values() for value in hashes.values()

@@ -32,14 +32,14 @@ def call(name: str, command: Sequence[str], folder: Path, fix: str = "correct th
         fix: what the user can do if the command fails.
 
     Raises:
-        CheckoutError: if the command cannot be run, or fails; the message ends with its error output.
+        CheckoutError: if the command does not start, or fails; the message ends with its error output.
     """
     environment = {key: value for key, value in os.environ.items() if key not in _INHERITED}
     try:
         done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
     except OSError as error:
         raise CheckoutError(
-            f"{name}: {command[0]} cannot be run ({error.strerror}): install {command[0]}, or repair the checkout"
+            f"{name}: cannot run {command[0]} ({error.strerror}): install {command[0]}, or repair the checkout"
         ) from error
     if done.returncode != 0:
         words = _reason(done.stderr)[-_LONGEST:] or "no error output"

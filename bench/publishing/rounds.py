@@ -195,7 +195,12 @@ def _check_day(day: str, to: Path) -> None:
 
 
 def _check_marks(source: Source) -> None:
-    """Raise an error without files, or if a page does not name its core or has the mark of another core."""
+    """Check that the source has files, and that the mark of each page is that of its core.
+
+    Raises:
+        RoundError: if the folder contains no committed results, or the mark of a page is missing or belongs to another
+            core.
+    """
     if not source.files:
         raise RoundError(
             f"{source.folder}: a round needs committed results, but the folder contains none; publish a study, and "

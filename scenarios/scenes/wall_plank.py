@@ -72,7 +72,7 @@ def least_friction(theta: float) -> float:
 
 
 def _group(held_by: int, theta: float, gap: float) -> list[Brick]:
-    """Return the plank and its supports as one group, because placement noise would separate plank and wall."""
+    """Return the bricks of one placement, the plank and its supports, because noise separates two placements."""
     floor = TILE[2] if held_by == 4 else 0.0
     plank = lean(0.0, theta=theta, toward=1, level=1, bottom=floor)
     wall = _in_halves(WALL, LENGTH * math.cos(theta) + WALL[0] / 2, gap if held_by >= 3 else None)
