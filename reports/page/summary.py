@@ -105,15 +105,14 @@ def _cost(one: PolicyScore) -> str:
 
 def _budget(scores: Sequence[PolicyScore]) -> list[str]:
     """Return a sentence on the slowest scene, because a median of the scenes hides frames that are too slow."""
-    timed = [(one.slowest, one.policy) for one in scores if one.slowest is not None]
+    timed = [(one.slowest, one.policy, one.frame_ms_p99) for one in scores if one.slowest is not None]
     if not timed:
         return []
-    slowest, policy = max(timed)
-    middle = max(one.frame_ms_p99 or 0.0 for one in scores)
+    slowest, policy, middle = max(timed)
     kept = [hertz for hertz, budget in FRAME_BUDGETS_MS.items() if slowest.frame_ms_p99 <= budget]
     what = (
         f"99 of 100 frames take at most {slowest.frame_ms_p99:.2f} ms in the slowest scene ({slowest.scene}, "
-        f"{policy}), {middle:.2f} ms in the median scene of the slowest policy"
+        f"{policy}), {middle:.2f} ms in the median scene of this policy"
     )
     return [f"{what}: within a frame at {max(kept)} Hz." if kept else f"{what}: too slow for a frame at 60 Hz."]
 

@@ -4,12 +4,9 @@ import importlib.util
 
 import pytest
 
-from bench.studies.plan import Trial
-from bench.studies.schema import Limits
-from bench.trial.run_trial import run_trial
 from scenarios.registry import build
+from tests.scenarios.played import played
 
-LIMITS = Limits(ratio=False)
 PLAYABLE = {
     "robot_cubes.xml": ("bullet", "mujoco"),
     "four_blocks.xml": ("bullet", "mujoco"),
@@ -28,14 +25,9 @@ def test_the_extension_makes_a_file_do_what_statics_says(file, engine):
     """Alone, an engine may drop what must stand (prisms of MuJoCo, cans of Bullet); the trial ends all the same."""
     if file.endswith(".usda") and importlib.util.find_spec("pxr") is None:
         pytest.skip("OpenUSD is not installed (group usd)")
-    scene = build("own_scene", file=file)
     with_core, alone = (
-        run_trial(Trial(engine, "game", "own_scene", scene.variant, {"file": file}, policy, 0, 0), LIMITS, "", _ignore)
-        for policy in ("equilibrium", "none")
+        played(engine, "game", "own_scene", {"file": file}, policy) for policy in ("equilibrium", "none")
     )
-    assert alone.record.status in ("completed", "collapsed")
-    assert with_core.record.status == ("completed" if scene.expectation.outcome == "stand" else "collapsed")
-
-
-def _ignore(progress):
-    pass
+    assert alone.status in ("completed", "collapsed")
+    outcome = build("own_scene", file=file).expectation.outcome
+    assert with_core.status == ("completed" if outcome == "stand" else "collapsed")

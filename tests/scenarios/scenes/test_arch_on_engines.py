@@ -2,9 +2,7 @@
 
 import pytest
 
-from bench.studies.plan import Trial
-from bench.studies.schema import Limits
-from bench.trial.run_trial import run_trial
+from tests.scenarios.played import played
 
 BOX3D = pytest.param(
     "box3d",
@@ -24,9 +22,4 @@ BOX3D = pytest.param(
     + [("box3d", "none"), BOX3D],
 )
 def test_a_thin_arch_falls(engine, policy):
-    trial = Trial(engine, "tuned", "voussoir_arch", "", {"margin": -0.2}, policy, 0, 0)
-    assert run_trial(trial, Limits(ratio=False), "", _ignore).record.status == "collapsed"
-
-
-def _ignore(progress):
-    pass
+    assert played(engine, "tuned", "voussoir_arch", {"margin": -0.2}, policy).status == "collapsed"

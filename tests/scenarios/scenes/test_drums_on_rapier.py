@@ -5,9 +5,7 @@ Rapier lists one or two of the six corners between the drums, and changes them f
 
 import pytest
 
-from bench.studies.plan import Trial
-from bench.studies.schema import Limits
-from bench.trial.run_trial import run_trial
+from tests.scenarios.played import played
 
 
 @pytest.mark.slow
@@ -18,12 +16,6 @@ from bench.trial.run_trial import run_trial
 def test_only_hexagons_on_rapier_rock(engine, shape, rocks):
     """Drums of 0.6 m at rest creep by less than 0.1 mm/s; those that rock, by more than 1 mm/s."""
     parameters = {"shape": shape, "drums": 2, "margin": 0.3, "scale": 20.0}
-    record = run_trial(
-        Trial(engine, "tuned", "leaning_drums", "", parameters, "none", 0, 0), Limits(), "", _ignore
-    ).record
+    record = played(engine, "tuned", "leaning_drums", parameters, "none")
     assert record.status == "completed"
     assert (record.creep_m_s > 1e-3) if rocks else (record.creep_m_s < 1e-4)
-
-
-def _ignore(progress):
-    pass
