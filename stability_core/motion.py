@@ -232,7 +232,7 @@ def list_shifted_loads(
 ) -> tuple[int, int]:
     """List the live bodies with outdated patches; return the lengths of both lists.
 
-    A load that has kept its place for ``doubt_s`` is listed once more, because its forces are certain from then on.
+    A load that has kept its place for ``doubt_s`` is listed once more, because a joint solve can decide from then on.
 
     Args:
         bodies: the table.

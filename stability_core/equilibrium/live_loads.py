@@ -14,16 +14,24 @@ from stability_core.equilibrium.assembly import FIXED, Part, Terms, part_of
 from stability_core.equilibrium.memory import Memory
 from stability_core.equilibrium.newton import nearest_forces
 from stability_core.equilibrium.problem import add_wrench
-from stability_core.frame_buffers import FrameBuffers, frame_before, frames_of
+from stability_core.frame_buffers import HAS_FORCES, FrameBuffers, frame_before, frames_of
 from stability_core.port import GROUND, BoolArray, FloatArray, IntArray
 from stability_core.pushes import is_push
-from stability_core.settings import Limits
+from stability_core.settings import ROUNDING_S, Limits
 from stability_core.stack import FROZEN, LEAN, LIVE, NONE, Graph, sorted_ids
 
 _VERTICAL, _ALL = np.array([2, 3, 4]), np.arange(6)
 _HELD = 1e-2
 """Ratio of a live body's imbalance to its weight, up to which the body counts as held, because the estimate of its
 forces leaves a ratio of about a thousandth."""
+UNCERTAIN = 0.2
+"""Ratio of the greatest missing force to the greatest load, up to which no body unfreezes if the loads are estimates,
+because contact forces fluctuate by as much."""
+_UNCERTAIN_AT_REST = 0.01
+"""The same ratio if all live bodies have kept their places for ``doubt_s``, and the reported forces balance each one up
+to this ratio."""
+_PUSHES, _LIVE, _EVERYTHING = range(3)
+"""Contact forces that count: pushes (see ``pushes``); also the forces of live bodies; all forces."""
 
 
 @compiled
@@ -159,63 +167,86 @@ def contact_load(graph: Graph, buffers: FrameBuffers, part: Part, limits: Limits
         limits: the settings, shape (1,).
         everything: True to count the forces of all live bodies, False to count pushes only (see ``pushes``).
     """
-    pushed = np.zeros((len(part.ids), 6))
-    index = np.full(len(graph.bodies), -1)
-    for i in range(len(part.ids)):
-        index[part.ids[i]] = i
+    pressed = np.zeros((len(part.ids), 6))
+    _add_contacts(graph, buffers, part.ids, limits, _LIVE if everything else _PUSHES, pressed)
+    return pressed
+
+
+@compiled
+def load_error(graph: Graph, buffers: FrameBuffers, live: IntArray, limits: Limits) -> float:
+    """Return the relative error of the loads of the ``live`` bodies (k,), or infinity.
+
+    The error is infinite unless contacts alone hold the bodies at rest, for at least ``doubt_s``. A joint of the engine
+    may hold a body too. Then the reported forces miss the body's balance by more than ``UNCERTAIN``. A port may also
+    estimate friction. The cost is O(contacts of the latest dwell frames).
+
+    Args:
+        graph: the stack.
+        buffers: the dwell frames, with contact forces if the engine reports them.
+        live: the live bodies, shape (k,).
+        limits: the settings, shape (1,).
+    """
+    bodies = graph.bodies
+    if len(live) == 0:
+        return np.inf
+    for body in live:
+        if bodies[body].steady_s < limits[0].doubt_s - ROUNDING_S:
+            return np.inf
+    if buffers.clock[HAS_FORCES] == 0.0:
+        return UNCERTAIN
+    rest = np.zeros((len(live), 6))
+    largest = _add_contacts(graph, buffers, live, limits, _EVERYTHING, rest)
+    error = _UNCERTAIN_AT_REST
+    for i in range(len(live)):
+        weight = bodies[live[i]].mass * limits[0].gravity
+        rest[i, 2] -= weight
+        imbalance = np.abs(rest[i]).max() / max(weight, largest[i])
+        if imbalance > UNCERTAIN:
+            return np.inf
+        if imbalance > _UNCERTAIN_AT_REST:
+            error = UNCERTAIN
+    return error
+
+
+@compiled
+def _add_contacts(
+    graph: Graph, buffers: FrameBuffers, ids: IntArray, limits: Limits, counted: int, wrench: FloatArray
+) -> FloatArray:
+    """Add the mean contact forces on the bodies ``ids`` (n,) to their ``wrench`` (n, 6).
+
+    Args:
+        graph: the stack.
+        buffers: the dwell frames, with contact forces.
+        ids: the bodies, shape (n,).
+        limits: the settings, shape (1,).
+        counted: the forces that count: ``_PUSHES``, ``_LIVE`` (not those between the ``ids``), or ``_EVERYTHING``.
+        wrench: force [N] and moment [N, over the body's size] on each body, shape (n, 6); changed in place.
+
+    Returns:
+        The largest component of a counted force on each body [N], shape (n,).
+    """
+    bodies = graph.bodies
+    index = np.full(len(bodies), -1)
+    for i in range(len(ids)):
+        index[ids[i]] = i
+    largest, lever = np.zeros(len(ids)), np.empty(3)
     frames, room = frames_of(buffers, limits[0].load_s), len(buffers.contacts) // len(buffers.sizes)
-    lever = np.empty(3)
     for back in range(frames):
         frame = frame_before(buffers, back)
         for at in range(frame * room, frame * room + buffers.sizes[frame]):
             contact = buffers.contacts[at]
             for target, pusher, sign in ((contact.body_b, contact.body_a, 1.0), (contact.body_a, contact.body_b, -1.0)):
-                if target == GROUND or index[target] < 0 or pusher == GROUND:
-                    continue
-                presses = everything and graph.bodies[pusher].state == LIVE
-                if not presses and not is_push(graph.bodies, pusher, contact.level, limits[0]):
-                    continue
-                for k in range(3):
-                    lever[k] = contact.point[k] - graph.bodies[target].center[k]
-                add_wrench(pushed[index[target]], sign / frames, contact.force, lever, part.size[index[target]])
-    return pushed
-
-
-@compiled
-def live_imbalance(graph: Graph, buffers: FrameBuffers, live: IntArray, limits: Limits) -> float:
-    """Return the greatest imbalance of a body of ``live`` (k,) under the mean contact forces, over the largest of them.
-
-    The reported forces are those of statics only if they balance the weights of bodies at rest. An engine may hold
-    bodies in place by other means, and a port may estimate friction. The cost is O(contacts of the latest dwell
-    frames).
-
-    Args:
-        graph: the stack.
-        buffers: the dwell frames, with contact forces.
-        live: live bodies at rest, shape (k,).
-        limits: the settings, shape (1,).
-    """
-    bodies = graph.bodies
-    index = np.full(len(bodies), -1)
-    rest, largest, lever = np.zeros((len(live), 6)), np.empty(len(live)), np.empty(3)
-    for i in range(len(live)):
-        index[live[i]] = i
-        rest[i, 2] = -bodies[live[i]].mass * limits[0].gravity
-        largest[i] = -rest[i, 2]
-    frames, room = frames_of(buffers, limits[0].load_s), len(buffers.contacts) // len(buffers.sizes)
-    for back in range(frames):
-        frame = frame_before(buffers, back)
-        for at in range(frame * room, frame * room + buffers.sizes[frame]):
-            contact = buffers.contacts[at]
-            for target, sign in ((contact.body_b, 1.0), (contact.body_a, -1.0)):
                 if target == GROUND or index[target] < 0:
+                    continue
+                counts = counted == _EVERYTHING
+                if not counts and pusher != GROUND:
+                    counts = counted == _LIVE and bodies[pusher].state == LIVE and index[pusher] < 0
+                    counts = counts or is_push(bodies, pusher, contact.level, limits[0])
+                if not counts:
                     continue
                 i = index[target]
                 for k in range(3):
                     lever[k] = contact.point[k] - bodies[target].center[k]
                     largest[i] = max(largest[i], abs(contact.force[k]))
-                add_wrench(rest[i], sign / frames, contact.force, lever, bodies[target].size)
-    greatest = 0.0
-    for i in range(len(live)):
-        greatest = max(greatest, np.abs(rest[i]).max() / largest[i])
-    return greatest
+                add_wrench(wrench[i], sign / frames, contact.force, lever, bodies[target].size)
+    return largest

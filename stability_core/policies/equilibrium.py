@@ -23,11 +23,12 @@ import numpy as np
 from stability_core.equilibrium.assembly import AS_BEFORE, FIXED, Part, Terms, part_of
 from stability_core.equilibrium.component import bearing, component
 from stability_core.equilibrium.live_loads import (
+    UNCERTAIN,
     carriers,
     contact_load,
     is_upright,
-    live_imbalance,
     live_load,
+    load_error,
     lying_on,
 )
 from stability_core.equilibrium.loading import STIFFNESSES
@@ -56,12 +57,6 @@ from stability_core.stack import (
 WAKE_GRIP = 1.02
 """Factor on friction for unfreezing, as a hysteresis, so that a body unfreezes only if it falls even with so much
 friction."""
-UNCERTAIN = 0.2
-"""Ratio of the greatest missing force to the greatest load, up to which no body unfreezes if the loads are estimates,
-because contact forces fluctuate by as much."""
-UNCERTAIN_AT_REST = 0.01
-"""The same ratio if the loads are certain: all live bodies have kept their places for ``doubt_s``, and the reported
-forces balance each of them up to this ratio."""
 TOGETHER = 12
 """Greatest number of candidates judged together within a budget, because few bodies hold each other in a pile, and a
 solve of fifty bodies that lean on each other takes 0.5 s."""
@@ -310,12 +305,18 @@ class Equilibrium(Policy):
     def _falls(self, graph: Graph, buffers: FrameBuffers, ids: IntArray, seeds: IntArray, outside: int) -> IntArray:
         """Return the frozen bodies among ``ids`` that fall or are in doubt under their live loads, shape (k,).
 
-        The method first computes the loads of live bodies on a rigid stack. These loads are one of many distributions
-        of their weight. If the stack does not bear these loads, a joint solve includes the stack and the live bodies
-        that do not fall. If the verdict then depends on uncertain loads, the method returns all ``seeds`` or no bodies,
-        by the size of the imbalance.
+        Leaning live bodies that contacts alone hold at rest are in equilibrium together with the stack. A joint solve
+        decides then, without loads. In all other cases the method computes the loads of live bodies on a rigid stack.
+        These loads are one of many distributions of their weight. If the stack does not bear these loads, a joint solve
+        includes the stack and the live bodies that do not fall. If the verdict then depends on uncertain loads, the
+        method returns all ``seeds`` or no bodies, by the size of the imbalance.
         """
         live = lying_on(graph, ids)
+        error = load_error(graph, buffers, live, self.limits) if outside == AS_BEFORE else np.inf
+        if error < np.inf and not is_upright(graph, live):
+            falls = self._falls_together(graph, buffers, ids, seeds, live, FEW_BODIES)
+            if falls is not None:
+                return falls
         for margin, grip in ((0.0, 1.0), (self._wake_margin, self._wake_grip))[len(live) > 0 :]:
             part = self._part(graph, ids, outside, margin, grip)
             pressed, held = self._pressed(graph, buffers, part, live)
@@ -340,16 +341,7 @@ class Equilibrium(Policy):
         if verdict == "unstable" and (upright or len(goes) == 0):
             return goes
         lacking = np.abs(answer[2]).max() if verdict == "unstable" else np.inf
-        error = UNCERTAIN_AT_REST if self._are_certain(graph, buffers, live) else UNCERTAIN
-        return seeds if lacking > error * np.abs(problem.load).max() else ids[:0]
-
-    def _are_certain(self, graph: Graph, buffers: FrameBuffers, live: IntArray) -> bool:
-        """Return whether the reported forces of the ``live`` bodies (k,) are those of statics."""
-        if buffers.clock.item(HAS_FORCES) == 0.0:
-            return False
-        are_balanced = live_imbalance(graph, buffers, live, self.limits) <= UNCERTAIN_AT_REST
-        keep_place = graph.bodies["steady_s"][live] >= self.settings.doubt_s - ROUNDING_S
-        return bool(are_balanced and keep_place.all())
+        return seeds if lacking > min(error, UNCERTAIN) * np.abs(problem.load).max() else ids[:0]
 
     def _pressed(self, graph: Graph, buffers: FrameBuffers, part: Part, live: IntArray) -> tuple[FloatArray, BoolArray]:
         """Return the loads (n, 6) of ``live`` bodies (k,) on a part, and the mask (k,) of live bodies that forces hold.

@@ -25,15 +25,17 @@ TIPS = 2 * G * HALF / THRUST
 class VOnPosts(StillWorld):
     """The posts come first, so that they freeze alone; what would tip stays where it is."""
 
-    def __init__(self, height: float, ridge: float = 1.0) -> None:
+    def __init__(self, height: float, ridge: float = 1.0, foot: float = 1.0, *, has_forces: bool = True) -> None:
         """Place the posts.
 
         Args:
             height: of the posts [m].
             ridge: the reported force at the ridge, over the force that balances the planks.
+            foot: the same ratio for the horizontal forces between planks and posts.
+            has_forces: False if the engine reports no forces.
         """
         super().__init__(np.random.default_rng(0), friction=0.6)
-        self.height, self.ridge = height, ridge
+        self.height, self.ridge, self.foot, self.has_forces = height, ridge, foot, has_forces
         self.force: list[tuple[float, float, float]] = []
         self.spread = LENGTH * np.cos(THETA)
         for side in (-1, 1):
@@ -47,11 +49,13 @@ class VOnPosts(StillWorld):
         planks = [self.add((side * self.spread / 2, 0.0, top + rise / 2), 1.0) for side in (-1, 1)]
         for post, plank, side in zip((0, 1), planks, (-1, 1), strict=True):
             self.touch(post, plank, [(side * self.spread, y, top) for y in DEEP], (0.0, 0.0, 1.0))
-            self.force += [(-side * THRUST / 2, 0.0, G / 2)] * 2
+            self.force += [(-side * self.foot * THRUST / 2, 0.0, G / 2)] * 2
         self.touch(*planks, [(0.0, y, top + rise) for y in DEEP], (1.0, 0.0, 0.0))
         self.force += [(self.ridge * THRUST / 2, 0.0, 0.0)] * 2
 
     def contacts(self):
+        if not self.has_forces:
+            return super().contacts()
         still = self.frozen | {GROUND}
         live = [force for row, force in zip(self.rows, self.force, strict=True) if not {row[0], row[1]} <= still]
         return replace(super().contacts(), force=np.array(live).reshape(-1, 3))
@@ -85,7 +89,20 @@ def test_posts_that_stand_stay_frozen_and_bear_the_planks():
     assert seen[-1] == {0, 1, 2, 3}
 
 
+@pytest.mark.parametrize("share", [0.8, 0.9])
+def test_posts_that_tip_unfreeze_although_the_reported_forces_are_too_small(share):
+    """Box3D's forces miss the balance of an arch's stones by 3 to 9 %. With nine tenths of H the posts would stand."""
+    seen = frozen_after(VOnPosts(1.03 * TIPS, ridge=share, foot=share), 1.2)
+    assert seen[50] == {0, 1}
+    assert seen[-1] == set()
+
+
+def test_posts_that_tip_unfreeze_without_reported_forces():
+    seen = frozen_after(VOnPosts(1.1 * TIPS, has_forces=False), 1.2)
+    assert seen[-1] == set()
+
+
 def test_forces_that_do_not_balance_the_planks_prove_nothing():
-    """An engine that holds bodies by other means, or a port that estimates friction."""
-    seen = frozen_after(VOnPosts(1.1 * TIPS, ridge=0.5), 3.0)
+    """A joint holds the planks, or a port estimates friction: without a force at the ridge, H misses, 0.29 W."""
+    seen = frozen_after(VOnPosts(1.1 * TIPS, ridge=0.0), 3.0)
     assert seen[-1] == {0, 1}
