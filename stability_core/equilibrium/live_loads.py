@@ -168,7 +168,7 @@ def contact_load(graph: Graph, buffers: FrameBuffers, part: Part, limits: Limits
         everything: True to count the forces of all live bodies, False to count pushes only (see ``pushes``).
     """
     pressed = np.zeros((len(part.ids), 6))
-    _add_contacts(graph, buffers, part.ids, limits, _LIVE if everything else _PUSHES, pressed)
+    _add_contacts(graph, buffers, part.ids, part.size, limits, _LIVE if everything else _PUSHES, pressed)
     return pressed
 
 
@@ -194,8 +194,10 @@ def load_error(graph: Graph, buffers: FrameBuffers, live: IntArray, limits: Limi
             return np.inf
     if buffers.clock[HAS_FORCES] == 0.0:
         return UNCERTAIN
-    rest = np.zeros((len(live), 6))
-    largest = _add_contacts(graph, buffers, live, limits, _EVERYTHING, rest)
+    rest, size = np.zeros((len(live), 6)), np.empty(len(live))
+    for i in range(len(live)):
+        size[i] = bodies[live[i]].size
+    largest = _add_contacts(graph, buffers, live, size, limits, _EVERYTHING, rest)
     error = _UNCERTAIN_AT_REST
     for i in range(len(live)):
         weight = bodies[live[i]].mass * limits[0].gravity
@@ -210,7 +212,13 @@ def load_error(graph: Graph, buffers: FrameBuffers, live: IntArray, limits: Limi
 
 @compiled
 def _add_contacts(
-    graph: Graph, buffers: FrameBuffers, ids: IntArray, limits: Limits, counted: int, wrench: FloatArray
+    graph: Graph,
+    buffers: FrameBuffers,
+    ids: IntArray,
+    size: FloatArray,
+    limits: Limits,
+    counted: int,
+    wrench: FloatArray,
 ) -> FloatArray:
     """Add the mean contact forces on the bodies ``ids`` (n,) to their ``wrench`` (n, 6).
 
@@ -218,9 +226,10 @@ def _add_contacts(
         graph: the stack.
         buffers: the dwell frames, with contact forces.
         ids: the bodies, shape (n,).
+        size: length [m] over which the moment of each body counts, shape (n,).
         limits: the settings, shape (1,).
         counted: the forces that count: ``_PUSHES``, ``_LIVE`` (not those between the ``ids``), or ``_EVERYTHING``.
-        wrench: force [N] and moment [N, over the body's size] on each body, shape (n, 6); changed in place.
+        wrench: force [N] and moment [N, over ``size``] on each body, shape (n, 6); changed in place.
 
     Returns:
         The largest component of a counted force on each body [N], shape (n,).
@@ -248,5 +257,5 @@ def _add_contacts(
                 for k in range(3):
                     lever[k] = contact.point[k] - bodies[target].center[k]
                     largest[i] = max(largest[i], abs(contact.force[k]))
-                add_wrench(wrench[i], sign / frames, contact.force, lever, bodies[target].size)
+                add_wrench(wrench[i], sign / frames, contact.force, lever, size[i])
     return largest
