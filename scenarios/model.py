@@ -74,7 +74,7 @@ class Place:
     """Action that releases bricks together, as one rigid group, a little above their actual support.
 
     The group keeps its planned x, y, orientation and relative heights. The harness shifts the group along z until the
-    least gap between a brick of the group and the actual body below this brick is ``height``.
+    least gap between the group and the actual bodies below is ``height`` [m].
     """
 
     time: float
@@ -124,7 +124,7 @@ class Pull:
 
     @property
     def until(self) -> float:
-        """End of the action [s], from the start of the trial."""
+        """Return the end of the action [s], from the start of the trial."""
         return self.time + self.seconds
 
 
@@ -142,7 +142,7 @@ class Press:
 
     @property
     def until(self) -> float:
-        """End of the action [s], from the start of the trial."""
+        """Return the end of the action [s], from the start of the trial."""
         return self.time + self.seconds
 
 
@@ -150,7 +150,8 @@ class Press:
 class Tilt:
     """Action that turns gravity about a horizontal axis, as if the ground tilted.
 
-    Every frame turns gravity by one step; after ``seconds`` gravity has turned by ``speed`` times ``seconds``.
+    Every frame turns gravity by one step. After ``seconds`` [s] gravity has turned by ``speed`` [deg/s] times
+    ``seconds``.
     """
 
     time: float
@@ -164,13 +165,13 @@ class Tilt:
 
     @property
     def until(self) -> float:
-        """End of the action [s], from the start of the trial."""
+        """Return the end of the action [s], from the start of the trial."""
         return self.time + self.seconds
 
 
 @dataclass(frozen=True, slots=True)
 class Drive:
-    """Action that accelerates a moved brick to a velocity, which the brick keeps until the next ``Drive``."""
+    """Action that accelerates a moved brick to a velocity; the brick keeps this velocity until the next ``Drive``."""
 
     time: float
     brick: int
@@ -188,7 +189,7 @@ class Drive:
 
     @property
     def until(self) -> float:
-        """Time [s] at which the brick has reached the velocity, from the start of the trial."""
+        """Return the time [s], from the start of the trial, at which the brick has reached the velocity."""
         return self.time + self.seconds
 
 
@@ -272,12 +273,12 @@ class Scene:
 
     @property
     def pace(self) -> float:
-        """Factor on all times: see ``pace_of``."""
+        """Return the factor on all times: see ``pace_of``."""
         return pace_of(self.size)
 
     @property
     def done_s(self) -> float:
-        """Time [s] at which the last action ends."""
+        """Return the time [s] at which the last action ends."""
         return max(
             action.until if isinstance(action, Pull | Press | Tilt | Drive) else action.time for action in self.actions
         )

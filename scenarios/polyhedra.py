@@ -1,4 +1,4 @@
-"""Convex polyhedra: hull, faces, volume and inertia by trimesh, and the own frame of a polyhedron.
+"""Convex polyhedra: hull, faces, volume and inertia by trimesh, and a polyhedron's own frame.
 
 Import this module only for a polyhedron, because trimesh takes a second to import.
 """
@@ -123,7 +123,7 @@ def check_polyhedron(polyhedron: Polyhedron) -> None:
     if not (is_centred and products <= CENTRED * np.diag(properties.gyration).max()):
         raise ValueError(
             "vertices must be relative to the centre of mass, along principal axes of inertia: make the body with "
-            "scenarios.solids.polyhedron, which finds both"
+            "scenarios.solids.polyhedron, which finds the centre and the axes"
         )
 
 
@@ -194,7 +194,7 @@ def _nearest_principal_axes(inertia: FloatArray) -> FloatArray:
 
 
 def _equal_moments(moments: FloatArray) -> list[list[int]]:
-    """Return the indices of the rising ``moments`` in groups of equal moments."""
+    """Return groups of indices of equal moments; ``moments`` are in rising order."""
     groups = [[0]]
     for index in (1, 2):
         if moments[index] - moments[index - 1] <= EQUAL_MOMENTS * moments[2]:

@@ -64,22 +64,22 @@ class Scenario(Generic[P]):
 
     @property
     def name(self) -> str:
-        """The id of the scenario."""
+        """Return the id of the scenario."""
         return self.builder.__name__
 
     @property
     def description(self) -> str:
-        """The description of the scene, in one line."""
+        """Return the description of the scene, in one line."""
         return (inspect.getdoc(self.builder) or "").partition("\n")[0]
 
     @property
     def parameters(self) -> Mapping[str, Value]:
-        """Defaults of all parameters, by name."""
+        """Return the defaults of all parameters, by name."""
         return {**self.defaults, **{name: default for name, (default, _) in self._shared().items()}}
 
     @property
     def ranges(self) -> Mapping[str, Range]:
-        """Ranges of all parameters that have a range, by name."""
+        """Return the ranges of all parameters that have a range, by name."""
         return {**self.declared, **{name: allowed for name, (_, allowed) in self._shared().items()}}
 
     def variant(self, parameters: Mapping[str, Value]) -> str:

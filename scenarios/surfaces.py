@@ -1,4 +1,4 @@
-"""Surfaces of shapes for pictures: corners and flat faces; a round shape gets many flat faces."""
+"""Surfaces of shapes for pictures: corners and flat faces. Many flat faces replace a round surface."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Surface:
 
     @property
     def triangles(self) -> tuple[tuple[int, int, int], ...]:
-        """Triangles that cover the faces, counter-clockwise seen from outside."""
+        """Return triangles that cover the faces, counter-clockwise seen from outside."""
         return tuple((face[0], one, other) for face in self.faces for one, other in pairwise(face[1:]))
 
 

@@ -2,8 +2,8 @@
 
 The module takes the bricks from the lowest brick up, and moves each brick in two steps:
 
-1. If the brick overlaps a lower brick or a fixed body sideways by at most ``OVERLAP``, the module shifts the brick
-   along the normal of the overlap.
+1. The brick may overlap a lower brick or a fixed body sideways. If the overlap is at most ``OVERLAP``, the module
+   shifts the brick along the normal of the overlap.
 2. The brick sinks by at most ``GAP``, or rises by at most ``OVERLAP``, until it touches the body or the ground below.
 
 The module refuses a larger overlap or gap with an error that names both bodies. Each brick that moves by more than

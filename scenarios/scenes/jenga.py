@@ -11,11 +11,11 @@ tower's middle.
   level.
 
 The scene removes planks at once, or pulls planks out slowly along their length. A pulled plank drags the tower with mu
-times the load on this plank. The remaining planks of the level hold the tower with mu times their loads. Their loads
-are larger in both cases: of three planks the pulled plank bears a third of the load; of two planks the pulled side
-plank bears at most 11.7 / 25.4 of the middle plank's load.
+times the load on this plank (mu: coefficient of friction). The remaining planks of the level hold the tower with mu
+times their loads. Their loads are larger in both cases. Of three planks the pulled plank bears a third of the load. Of
+two planks the pulled side plank bears at most 11.7 / 25.4 of the middle plank's load.
 
-Look for: whether, after the last removal, the tower turns over about the remaining plank, in one piece.
+Look for: a tower that falls after the last removal should turn over about the remaining plank, in one piece.
 """
 
 from __future__ import annotations

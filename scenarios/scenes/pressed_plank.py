@@ -1,9 +1,10 @@
 """A tower, and a steady force on the topmost plank, along the plank's length.
 
-Theory: friction holds the plank, of mass m, while the force is below mu m g. Under a larger force the plank slides off,
-and drags the tower below with mu m g. Only the pressed plank moves, because the tower's own friction exceeds this drag.
+Theory: friction with the coefficient mu holds the plank, of mass m, while the force is below mu m g. Under a larger
+force the plank slides off, and drags the tower below with mu m g. Only the pressed plank moves, because the tower's own
+friction exceeds this drag.
 
-Look for: only the pressed plank may move, and it must move as soon as the force exceeds its friction.
+Look for: only the pressed plank may move. The plank must move as soon as the force exceeds its friction.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 Theory: the door drops faster than in free fall, so that it neither pulls nor pushes the planks. Then only the table
 carries the planks. The planks stand if their centre of mass is above the table.
 
-Look for: a frozen stack on a door must react when the door opens; a stack that does not need the door must stay.
+Look for: a frozen stack on a door must react when the door opens. A stack that does not need the door must stay.
 """
 
 from __future__ import annotations

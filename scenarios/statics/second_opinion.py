@@ -55,7 +55,7 @@ class Agreement:
 
 
 def agreed_verdict(bricks: Sequence[Brick], world: World, *, ridge: Ridge = "bisector") -> Agreement:
-    """Return the verdict of loading and a second criterion on bricks in their planned poses; doubt if they disagree.
+    """Return the verdict of loading and a second criterion on bricks in their planned poses; doubt if the two disagree.
 
     Args:
         bricks: at least one brick; bricks may touch, but must not overlap.
