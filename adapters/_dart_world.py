@@ -71,7 +71,7 @@ class DartWorld:
         self.joints[body] = joint
 
     def add_moved(self, body: int, brick: Brick) -> None:
-        """Add a brick that the host moves, on a joint whose velocity is prescribed."""
+        """Add a brick that the host moves, on a joint of prescribed velocity."""
         self.add_live(body, brick)
         self.joints[body].setActuatorType(dartpy.dynamics.ActuatorType.VELOCITY)
 

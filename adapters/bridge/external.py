@@ -1,9 +1,9 @@
-"""Engines outside this repository: engines behind the bridge, from a file of engines, and classes of other packages.
+"""Engines outside this repository: engines behind the bridge (from a file of engines) and classes in other packages.
 
 A file of engines (``engines.toml``) has a table for each engine::
 
     [NAME]
-    command = ["program", "argument"]     # started in the folder of this file
+    command = ["program", "argument"]     # the suite starts it in the folder of this file
     profiles = "NAME.toml"                # settings, in the layout of adapters/profile_files.py; default: one profile
     timeout_s = 60                        # time limit [s] for the answer to each message
 
@@ -62,12 +62,12 @@ class ExternalEntry:
 
     @property
     def module(self) -> str:
-        """Name of the module that a process imports before it runs trials of the engine."""
+        """Return the name of the module that a process imports before it runs trials of the engine."""
         return BridgeSimulation.__module__
 
     @property
     def remedy(self) -> str:
-        """Text for an error message: the fix if the engine does not load."""
+        """Return the fix for an engine that does not load, as text for an error message."""
         return f"check that its command runs: {list(self.command)}, from {self.source}"
 
     def version(self) -> str:
@@ -123,7 +123,7 @@ def read_engines(path: Path) -> Mapping[str, ExternalEntry]:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise EnginesFileError(
-            f"{path}: cannot be read ({error}); set {FILE_VARIABLE} to the path of a file of engines"
+            f"{path}: cannot read this file ({error}); set {FILE_VARIABLE} to the path of a file of engines"
         ) from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise EnginesFileError(f"{path}: not valid TOML: {error}; correct the file at this place") from error

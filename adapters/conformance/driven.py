@@ -1,4 +1,4 @@
-"""Checks of bodies that the host moves: they follow their prescribed velocity, and friction moves bricks on them."""
+"""Checks of bodies that the host moves, which follow a prescribed velocity, and of the friction on these bodies."""
 
 from __future__ import annotations
 
@@ -139,7 +139,7 @@ def slides_on_a_tilted_platform_above_the_friction_angle(rig: Rig) -> None:
 
 
 def reports_moved_bodies(rig: Rig) -> None:
-    """Check that masses list a moved body with infinite mass, even without live bodies.
+    """Check that ``port.masses`` lists a moved body with infinite mass, even without live bodies.
 
     The relative velocities of the moved body's contacts must include the body's velocity.
     """

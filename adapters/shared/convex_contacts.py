@@ -9,8 +9,8 @@ contact area. For the normal that the engine lists, the geometry gives the point
 - capsule: the two points of the rounded ends, in the direction of the normal;
 - sphere: one point.
 
-``stability_core.ports.shared.contact_area`` intersects both sets. Two parallel lines, as of two logs, meet in the part
-that they share.
+``stability_core.ports.shared.contact_area`` intersects both sets. Two parallel lines, for example of two logs, meet in
+their common part.
 """
 
 from __future__ import annotations
@@ -149,7 +149,7 @@ def _local_points(brick: Brick, direction: FloatArray) -> FloatArray:
 
 
 def _shared_part(one: FloatArray, other: FloatArray) -> FloatArray:
-    """Return the ends (2, 3) [m] of the part that two parallel lines share; no ends if they share none."""
+    """Return the ends (2, 3) [m] of the common part of two parallel lines; no ends without a common part."""
     (start, end), (p, q) = one, other
     length = float(np.linalg.norm(end - start))
     along = (end - start) / length

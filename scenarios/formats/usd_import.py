@@ -37,7 +37,7 @@ def read_usd(path: Path) -> Imported:
     """Return the content of a USD file.
 
     Raises:
-        ImportRefusedError: if OpenUSD is not installed or cannot read the file, or a scene cannot hold a prim.
+        ImportRefusedError: if OpenUSD is missing or cannot read the file, or a scene cannot hold a prim.
     """
     if not has_openusd():
         raise ImportRefusedError(MISSING)
