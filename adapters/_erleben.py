@@ -8,8 +8,8 @@ the weight above.
 Forces: the impulses of a layer carry only the bodies of this layer, not the bodies above. Therefore the adapter reports
 no forces.
 
-The author's code skips a group of bodies that are slower than 4.5 mm/s in five steps. This adapter has no such
-sleeping, because the policies of the suite take its place.
+The author's code skips a group of bodies that are slower than 4.5 mm/s in five steps. This adapter skips no group,
+because the policies of the suite have this task.
 """
 
 from __future__ import annotations

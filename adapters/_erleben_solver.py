@@ -7,7 +7,7 @@ One step of length h, with the fraction phi:
            displace the passengers until no contact of the layer overlaps (first-order correction, no velocity)
            dynamics of the passengers over (1 - phi) h
 
-The layers, floors and passengers are those of ``reference.layers``. Dynamics means: add gravity, then find impulses
+The module ``reference.layers`` defines layers, floors and passengers. Dynamics means: add gravity, then find impulses
 lambda by projected Gauss-Seidel sweeps. Each sweep refreshes the friction bounds. The scaled velocities w, the rows J
 and the driven velocities drive come from ``reference.contact_rows``. The gap is g, the time of the dynamics t, and the
 coefficient of friction mu:

@@ -90,7 +90,7 @@ class Capabilities:
     """The adapter's description of the data that an engine's API provides: source of the table Engine capabilities.
 
     The conformance checks measure ``near_contacts``, ``separation``, ``forces``, ``ridge_normal``, ``planar`` and, in
-    one process, ``deterministic``. The other fields describe mechanisms; the checks measure the effects of these
+    one process, ``deterministic``. All other fields describe mechanisms, and the checks measure the effects of these
     mechanisms.
     """
 

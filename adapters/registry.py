@@ -68,7 +68,7 @@ def profiles(name: str) -> Mapping[str, Profile]:
 
 
 def missing_knobs(name: str) -> list[str]:
-    """Return the knobs that the profiles omit, because the installed release of engine ``name`` lacks them; sorted."""
+    """Return the sorted knobs that the profiles omit, because the installed release of engine ``name`` lacks them."""
     return sorted(_load(name).missing_knobs)
 
 

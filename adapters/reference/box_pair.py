@@ -2,11 +2,12 @@
 
 Separating axes: the three face normals of each box, and the nine cross products of their edges. The axis with the
 greatest separation gives the normal. In a tie a face of the first box wins, then a face of the second box. Where two
-boxes touch along parallel edges, the cross product vanishes, so that the normal is a face normal. Hence an inverted V
-stands only if its planks are steeper than 90 deg - atan(mu) (``Capabilities.ridge_normal``).
+boxes touch along parallel edges, the cross product vanishes, so that the normal is a face normal. Therefore an inverted
+V stands only if its planks are steeper than 90 deg - atan(mu) (``Capabilities.ridge_normal``).
 
-Points: the face of the other box that is most antiparallel to the normal, clipped by the sides of the reference face
-(Sutherland and Hodgman). Two crossing edges have one point, in the middle of their common perpendicular.
+Points: the reference face belongs to the box whose face gives the normal. The sides of the reference face clip the
+face of the other box that is most antiparallel to the normal (Sutherland and Hodgman). Two crossing edges have one point, in the middle of their
+common perpendicular.
 """
 
 from __future__ import annotations

@@ -42,7 +42,7 @@ def _move(
     values: FloatArray,
     moved: FloatArray,
 ) -> None:
-    """Add each earlier vector to the nearest later point of its pair; ``keys`` (n,) are sorted by ``order`` (n,)."""
+    """Add each earlier vector to the nearest later point of its pair; ``order`` (n,) sorts ``keys`` (n,)."""
     for row in range(len(earlier_keys)):
         place = np.searchsorted(keys, earlier_keys[row])
         best, least = -1, np.inf

@@ -2,7 +2,7 @@
 
 Engines list few points of a round face or of a line, and some engines list one more point in each step. MuJoCo lists
 three points below a standing cylinder, which span a quarter of the cylinder's face. The extension needs the whole
-contact area. For the normal that the engine lists, the geometry gives the points of each body that face the other body:
+contact area. For the normal that the engine lists, the geometry gives the facing points of both bodies:
 
 - box, polyhedron: its vertices;
 - cylinder: ``RIM`` points on each rim, one of them in the direction of the normal;

@@ -28,7 +28,7 @@
     brick = 0                          # number of the brick in the file, from 0
     time = 5.0                         # s
     impulse = [0.01, 0.0, 0.0]         # N s
-    [[pull]]                           # a pull at a given velocity; then the scene removes the brick; optional
+    [[pull]]                           # a pull at a given velocity, then the removal of the brick; optional
     brick = 1
     time = 5.0                         # s
     velocity = [0.1, 0.0]              # m/s

@@ -1,4 +1,4 @@
-"""Jenga: three planks a level, each level across the level below; then the scene takes two planks from some levels.
+"""Jenga: three planks a level, each level across the level below. Then the scene takes two planks from some levels.
 
 Theory: a robbed level is a level that loses two planks. The part above a robbed level has its centre of mass over the
 tower's middle.
@@ -49,7 +49,7 @@ def jenga(
     speed: Annotated[float, Real(0, 1)] = 0.0,
     gap: Gap = 2.0,
 ) -> Plan:
-    """Build levels of three planks, each across the level below; then take two planks from one or more levels.
+    """Build levels of three planks, each across the level below, then take two planks from one or more levels.
 
     Args:
         levels: number of levels, of three planks each.

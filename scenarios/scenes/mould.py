@@ -1,4 +1,4 @@
-"""Bricks poured between four walls; then the scene removes the walls.
+"""Bricks poured between four walls. Then the scene removes the walls.
 
 The scene follows S.-W. Hsu, J. Keyser, "Automated constraint placement to maintain pile shape", ACM Transactions on
 Graphics 31(6), 2012. In this paper a user gives a pile an arbitrary shape, and constraints between the objects keep the

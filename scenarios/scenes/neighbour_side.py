@@ -1,4 +1,4 @@
-"""A brick that overhangs its pedestal and touches a heavy neighbour; then the scene removes the brick's counterweight.
+"""A brick that overhangs its pedestal and touches a heavy neighbour. Then the scene removes the brick's counterweight.
 
 Theory: alone, the brick stands if its centre of mass is above the pedestal. The brick tips about the pedestal's edge if
 the centre is beyond the edge. The margin is the distance of the centre from the edge, inward, over half the brick's
@@ -41,7 +41,7 @@ PAUSE_S = 2.0
 
 @scenario
 def neighbour_side(*, margin: Annotated[float, Real(-0.25, 0.25)] = 0.15, gap: Gap = 0.0, scale: Scale = 2.0) -> Plan:
-    """Build a brick that overhangs its pedestal beside a heavy neighbour; then remove its counterweight.
+    """Build a brick that overhangs its pedestal beside a heavy neighbour, then remove its counterweight.
 
     Args:
         margin: distance of the brick's middle inside the pedestal's edge, over half the brick's length; negative if the

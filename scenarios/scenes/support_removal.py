@@ -70,7 +70,7 @@ def robbed_stack(
     gap: Gap = 2.0,
     pause: Annotated[float, Real(1, 100)] = PAUSE_S,
 ) -> Plan:
-    """Build a stack that stands; then remove the topmost load, or a support of the lowest level.
+    """Build a stack that stands, then remove the topmost load, or a support of the lowest level.
 
     Args:
         stack: name of the stack, a key of ``STACKS``.

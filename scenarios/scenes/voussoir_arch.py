@@ -1,4 +1,4 @@
-"""A semicircular arch of voussoirs (wedge-shaped stones) on centring (a support); then the scene removes the centring.
+"""A semicircular arch of voussoirs (wedge-shaped stones) on centring (a support). Then the scene removes the centring.
 
 Theory (limit analysis, J. Heyman, "The Stone Skeleton", 1966; discrete voussoirs):
 
@@ -65,7 +65,7 @@ def voussoir_arch(
     scale: Scale = 10.0,
     thickness: Annotated[float, Real(0, THICKEST)] = 0.0,
 ) -> Plan:
-    """Build a semicircular arch of voussoirs on centring; then remove the centring.
+    """Build a semicircular arch of voussoirs on centring, then remove the centring.
 
     Args:
         voussoirs: number of voussoirs.

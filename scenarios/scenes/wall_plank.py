@@ -1,8 +1,8 @@
 """A plank that leans against a wall, with its foot on the ground; two, three or four bodies hold the plank.
 
 Theory: the foot is the origin, the upper contact lies at (X, Y), and the centre of mass at x_c. At the limit both
-contacts begin to slip. The ground's normal force is n, and the coefficient of friction is mu. The wall pushes with N =
-mu n, and carries mu N:
+contacts begin to slip. The ground's normal force is n, and the coefficient of friction is mu. The wall pushes with
+N = mu n, and carries mu N:
 
     n (1 + mu^2) = weight                        vertical forces
     x_c (1 + mu^2) = mu Y + mu^2 X               moments about the foot

@@ -8,7 +8,7 @@ distinguishes three cases:
    within ``WITHIN`` times ``falling.fall_time``, so that a stack that freezes first and falls later counts as a false
    stand.
 2. The scene must fall after a removal: the prebuilt stack is all levels. The stack must stand until the removal.
-3. The scene must stand: the prebuilt stack is all levels. The stack must stand for ``STANDS_S``; then the scene removes
+3. The scene must stand: the prebuilt stack is all levels. The stack must stand for ``STANDS_S``. Then the scene removes
    one more brick, and the stack must fall.
 
 ``at_once_below`` takes the first k - 1 levels of a scene of case 1, and treats this stack as case 3. Therefore every
