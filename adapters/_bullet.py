@@ -11,7 +11,8 @@ approach speed, so that ``SubstepSimulation`` records the pose and the velocity 
 
 ``find_contacts`` runs ``performCollisionDetection`` in a second world with the same bodies and changes nothing in the
 first. In the first world the call would refresh Bullet's cached points. This refresh displaced a falling pile by 10 mm
-after 1 s. The second world has no cached points, so that it may list other corners than the next step solves.
+after 1 s. The second world has no cached points. Therefore ``find_contacts`` may list other corners than the next step
+solves.
 
 Friction: the coefficient of a pair is the product of both bodies' coefficients. Therefore the adapter gives each body
 the square root of its own coefficient, or of the world's coefficient if the body has none. The law is a cone.

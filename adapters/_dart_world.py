@@ -96,7 +96,7 @@ class DartWorld:
         del self.world
 
     def _make_room(self, bricks: int) -> None:
-        """Raise DART's limit on contacts to the greatest number that a scene of ``bricks`` bricks can have."""
+        """Raise DART's limit on contacts to the greatest number of contacts in a scene of ``bricks`` bricks."""
         if bricks > self._room:
             self._room = max(bricks, 2 * self._room)
             raise_limit(self.world.getConstraintSolver(), contacts_for(self._room))

@@ -2,9 +2,9 @@
 
 Each step alternates two quadratic programs, for impact and for friction, until both agree: see ``_staggered_solver``.
 The engine contains no scene, no sleeping and no policy, and shares no code with the judge, so that its results are
-independent. Use the engine for scenes of up to about 50 bricks, because the engine is slow.
+independent of the suite. Use the engine for scenes of up to about 50 bricks, because the engine is slow.
 
-Overlaps: the contacts of a step never add to an overlap. Rotation and placing still cause overlaps. The adapter removes
+Overlaps: the contacts of a step do not add to an overlap, but rotation and placing cause overlaps. The adapter removes
 an overlap of more than 0.01 mm by displacements, so that the removal adds no velocity.
 
 Warm start: each contact starts with the friction of the step before, at the nearest point of the same pair. At rest the

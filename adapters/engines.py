@@ -13,7 +13,7 @@ from scenarios.lookup import look_up
 
 
 class EngineEntry(Protocol):
-    """Interface of an entry of ``ENGINES``: where to load an engine's adapter."""
+    """Interface of an entry of ``ENGINES``, which loads the adapter of an engine."""
 
     @property
     def module(self) -> str:

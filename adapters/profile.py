@@ -10,7 +10,7 @@ from typing import Literal, TypeAlias
 from scenarios.model import Brick
 
 PLANK_SIZE = math.hypot(117.0e-3, 23.4e-3, 7.8e-3)
-"""Diagonal [m] of the plank for which the profiles' lengths were chosen."""
+"""Diagonal [m] of the plank that determines the profiles' lengths."""
 MAX_SMALL_SIZE = 0.25
 """Greatest ratio of the largest brick's diagonal to a plank's diagonal at which a profile's lengths shrink with the
 bricks. At greater ratios the lengths keep their values for a plank."""

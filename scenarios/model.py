@@ -157,7 +157,7 @@ class Tilt:
     time: float
     axis: tuple[float, float]
     """Direction of the axis in x and y, by the right-hand rule for the tilted ground: about (0, 1) the +x end of the
-    ground goes down, so gravity turns from -z towards +x."""
+    ground goes down, and gravity turns from -z towards +x."""
     speed: float
     """Angular speed [deg/s]."""
     seconds: float
@@ -220,7 +220,7 @@ class Expectation:
     level: int | None = None
     """Level at which the scene must fall; None unless ``outcome`` is "fall"."""
     not_before_s: float = 0.0
-    """Earliest time [s] of the fall, because a scene from which a brick is removed must stand until then."""
+    """Earliest time [s] of the fall, because a scene must stand until the removal of a brick."""
     within_s: float | None = None
     """Time [s] after ``not_before_s`` within which the scene must fall; a later fall counts as standing. None for no
     limit."""

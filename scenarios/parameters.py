@@ -69,7 +69,7 @@ class Real:
 
 
 class Choice:
-    """Allowed words."""
+    """A choice among allowed words."""
 
     __slots__ = ("words",)
 

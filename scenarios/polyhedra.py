@@ -17,7 +17,7 @@ from scipy.spatial import QhullError
 from scenarios.shapes import FloatArray, Polyhedron
 
 FLATNESS = 1e-3
-"""Least ratio of a polyhedron's thickness to its extent, because a thinner one is an error in units or a flat face."""
+"""Least ratio of a polyhedron's thickness to its extent, because a thinner body is an error in units or a flat face."""
 MOST_VERTICES = 255
 """Greatest number of vertices, because PhysX accepts no more."""
 CENTRED = 1e-9

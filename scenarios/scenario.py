@@ -59,8 +59,8 @@ class Scenario(Generic[P]):
     """Ranges that the builder declares, by the names of their parameters. The builder itself checks parameters without
     a range."""
     is_static: bool = True
-    """True if the scenario has the parameters ``built`` and ``size``, which prebuild and resize its scenes, because
-    bricks are only placed and removed, not poured, pushed or dropped."""
+    """True if the scenario has the parameters ``built`` and ``size``, which prebuild and resize its scenes. The scenes
+    of this kind only place and remove bricks, and do not pour, push or drop bricks."""
 
     @property
     def name(self) -> str:

@@ -34,7 +34,7 @@ ENTRY_POINTS = "stillstack.engines"
 FILE_VARIABLE = "STILLSTACK_ENGINES"
 """Environment variable that names a file of engines."""
 DEFAULT_FILE = Path("engines.toml")
-"""File of engines in the working directory, read if ``FILE_VARIABLE`` is not set."""
+"""File of engines in the working directory, which the suite reads if ``FILE_VARIABLE`` is not set."""
 
 _KEYS = ("command", "profiles", "timeout_s")
 _BUILT_IN = frozenset(ENGINES)
@@ -78,8 +78,8 @@ class ExternalEntry:
         """Return the class of the engine.
 
         Raises:
-            PeerError: if the engine cannot be started, or its hello message is not valid.
-            ProfileFileError: if its profile file is invalid.
+            PeerError: if the engine does not start, or its hello message is not valid.
+            ProfileFileError: if the engine's profile file is invalid.
         """
         return _class_of(self)
 
@@ -89,7 +89,7 @@ def register_command(command: Sequence[str], profiles: Path | None) -> str:
 
     Raises:
         EnginesFileError: if this suite already has an engine of that name.
-        PeerError: if the engine cannot be started, or its hello message is not valid.
+        PeerError: if the engine does not start, or its hello message is not valid.
     """
     entry = ExternalEntry("", tuple(command), Path.cwd(), profiles.absolute() if profiles else None)
     name = describe(entry).engine
@@ -134,7 +134,7 @@ def describe(entry: ExternalEntry) -> Description:
     """Start an engine, return the description in its hello message, and end its process.
 
     Raises:
-        PeerError: if the engine cannot be started, or its hello message is not valid.
+        PeerError: if the engine does not start, or its hello message is not valid.
     """
     peer = Peer(entry.command, entry.folder, entry.timeout_s)
     try:

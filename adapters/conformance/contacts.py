@@ -58,7 +58,7 @@ def _require_well_formed(simulation: Simulation, contacts: Contacts) -> None:
 
 
 def reports_a_resting_brick(rig: Rig) -> None:
-    """Check that the contact points of a brick at rest surround its centre, on its lower face.
+    """Check that the contact points of a brick at rest lie on its lower face, around its centre.
 
     Normals must point from a to b.
     """

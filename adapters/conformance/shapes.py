@@ -175,7 +175,7 @@ def rolls_down_a_slope(rig: Rig) -> None:
 
 
 def freezes_every_shape(rig: Rig) -> None:
-    """Check that a frozen brick of each shape does not move by a bit, and falls freely after the port unfreezes it."""
+    """Check that a frozen brick of each shape does not move by a bit, and falls freely after its unfreeze."""
     simulation = rig.open()
     bodies = {
         what: simulation.spawn(replace(brick, position=(0.3 * column, 0.0, 1.0)))

@@ -5,9 +5,9 @@ greatest separation gives the normal. In a tie a face of the first box wins, the
 boxes touch along parallel edges, the cross product vanishes, so that the normal is a face normal. Therefore an inverted
 V stands only if its planks are steeper than 90 deg - atan(mu) (``Capabilities.ridge_normal``).
 
-Points: the reference face belongs to the box whose face gives the normal. The sides of the reference face clip the
-face of the other box that is most antiparallel to the normal (Sutherland and Hodgman). Two crossing edges have one point, in the middle of their
-common perpendicular.
+Points: the reference face belongs to the box whose face gives the normal. The sides of the reference face clip the face
+of the other box that is most antiparallel to the normal (Sutherland and Hodgman). Two crossing edges have one point, in
+the middle of the common perpendicular of both edges.
 """
 
 from __future__ import annotations

@@ -1,11 +1,11 @@
 """Completion, from the bodies' geometry, of the contacts of pairs with at least one body that is no box.
 
-Engines list few points of a round face or of a line, and some engines list one more point in each step. MuJoCo lists
-three points below a standing cylinder, which span a quarter of the cylinder's face. The extension needs the whole
-contact area. For the normal that the engine lists, the geometry gives the facing points of both bodies:
+Engines list few points of a round face or of a line, and some engines list one more point in each step. For example,
+MuJoCo lists three points below a standing cylinder, and these points span a quarter of its face. The extension needs
+the whole contact area. For the normal that the engine lists, the geometry gives the facing points of both bodies:
 
-- box, polyhedron: its vertices;
-- cylinder: ``RIM`` points on each rim, one of them in the direction of the normal;
+- box, polyhedron: the vertices;
+- cylinder: ``RIM`` points on each rim, with a point in the direction of the normal;
 - capsule: the two points of the rounded ends, in the direction of the normal;
 - sphere: one point.
 

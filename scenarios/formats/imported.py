@@ -27,7 +27,7 @@ class Imported:
     names: tuple[str, ...]
     """Name of each brick in the file."""
     notes: tuple[str, ...] = ()
-    """Elements that were left out or changed, in words."""
+    """Notes on the elements that the import left out or changed, in words."""
 
 
 def with_common_friction(world: World, bricks: Sequence[Brick]) -> tuple[World, tuple[Brick, ...]]:

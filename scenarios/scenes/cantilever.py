@@ -12,7 +12,7 @@ about the pier's edge, over g, are
 - Without the load the stack stands.
 
 Look for: the counterweight decides, although it is not above or below the load. A rule that considers only bodies
-straight above their support errs: the beam stands without its counterweight, or tips with it.
+straight above their support errs: the beam stands without its counterweight, or tips with its counterweight.
 """
 
 from __future__ import annotations

@@ -32,8 +32,8 @@ SIZE = (0.03, 0.06, 0.12)
 PITCH = 0.09
 """Distance [m] between the middles of neighbours, which leaves half a height between them."""
 STRIKER = (0.16, 0.06, 0.04)
-"""Edges of the striker [m]: so long that friction below it does not tip it while it is pulled by its centre, and that
-its centre stays over the shelf."""
+"""Edges of the striker [m]. The striker is so long that friction does not tip it while the manipulator pulls its
+centre, and that its centre stays over the shelf."""
 SHELF = (0.2, 0.06, 0.11)
 """Edges of the shelf [m]: it ends 1 cm below the top of a domino, so that the striker pushes high."""
 CLEAR = 0.01

@@ -30,7 +30,7 @@ from scenarios.planks import LENGTH, MU, THICKNESS, WIDTH, box, one_a_second
 from scenarios.scenario import Plan, scenario
 
 LOWEST = 2
-"""Lowest level from which planks are removed."""
+"""Lowest level from which the scene removes planks."""
 TALL = 3
 """Height of a robbed level's planks in thicknesses of a plank, which leaves room to fall."""
 PAUSE_S = 1.0

@@ -6,7 +6,7 @@ length.
 
 The neighbour touches the brick's inner end, but cannot hold the brick. Take the edge as origin. The brick begins to
 turn about the edge, by a small angle w. A point (-a, z) of its inner end moves by (w z, w a): up, and away from the
-neighbour. Therefore the neighbour never presses on the brick, and without pressure there is no friction.
+neighbour. Therefore the neighbour does not press on the brick, and without pressure there is no friction.
 
 Coulomb forces that would hold the brick do exist: the brick and the pedestal could squeeze the neighbour. Friction at
 the sides would then balance an overhang of up to mu^2 L / 2 (margin -0.2), with the coefficient of friction mu and the

@@ -28,8 +28,8 @@ from scenarios.geometry import FloatArray
 
 DISK_CORNERS = 32
 """Number of corners of the polygon inscribed in the end face of a cylinder. The polygon's least radius is 0.5 % smaller
-than the cylinder's, so a cylinder never stands longer in statics than in reality. Two corners lie on each of the first
-two directions perpendicular to the axis, in which tests tilt cylinders."""
+than the cylinder's radius, so that a cylinder does not stand longer in statics than in reality. Two corners lie on each
+of the first two directions perpendicular to the axis, in which tests tilt cylinders."""
 _SAME_PLANE = 1e-7
 """Greatest distance of two facets' unit normals that lie in one face, because a convex hull consists of triangles."""
 _DIRECTIONS = np.vstack([np.eye(3), -np.eye(3)])

@@ -56,11 +56,11 @@ class Statics:
 
     - ``stable``: contact forces that hold all bodies exist and arise;
     - ``unstable``: no contact forces can hold all bodies;
-    - ``doubt``: neither is proven.
+    - ``doubt``: neither verdict has a proof.
 
     Bodies can rest only if forces that hold them exist. If normal forces alone hold the bodies, this condition is also
-    sufficient. With friction it is not: bodies wedged against each other may stress themselves in theory and fall in
-    reality (Kao et al. 2022).
+    sufficient. With friction this condition is not sufficient: bodies wedged against each other may stress
+    themselves in theory and fall in reality (Kao et al. 2022).
     """
     by: Criterion
     """Criterion that decided the verdict:

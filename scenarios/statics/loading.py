@@ -67,8 +67,8 @@ from scenarios.statics.contact_patch import GROUND, Patch
 from scenarios.statics.contact_wrenches import Corners
 
 RATIOS = (1.0, 0.1, 10.0)
-"""Ratios of tangential to normal stiffness. There are three, because elastic spheres have 0.7 to 1, and rough faces and
-grains may have far less."""
+"""Ratios of tangential to normal stiffness. The list has three ratios, because elastic spheres have 0.7 to 1, and rough
+faces and grains may have far less."""
 DISTRIBUTIONS = (stiffness_by_weight, even_stiffness)
 """Distributions of normal stiffness over the corners."""
 MOST_SAG = 100.0

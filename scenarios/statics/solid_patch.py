@@ -46,7 +46,7 @@ class OverlapError(ValueError):
             f"bodies may touch, but must not overlap, got an overlap of {depth:g} m: move the bodies apart"
         )
         self.depth = depth
-        """Least distance [m] by which one solid must move to come free of the other."""
+        """Least distance [m] by which a solid must move to end the overlap."""
 
 
 def solids_touch(

@@ -9,9 +9,9 @@ forces f satisfy
     J_t a = 0 and |f_t| <= mu f_n, or f_t = -mu f_n J_t a / |J_t a|        where J_n a = 0
 
 A pile is *strongly stable* if a = 0 is the only solution. In every other solution a body goes down along its weight,
-because contact forces do no positive work: 0 <= a . M a <= w . a. Each corner has one of these modes: it is open,
-sticks, or slides in one of k sectors of directions. A binary variable z for each mode except "open" makes the problem
-linear:
+because contact forces do no positive work: 0 <= a . M a <= w . a. Each corner has one of these modes: the corner is
+open, sticks, or slides in one of k sectors of directions. A binary variable z for each mode except "open" makes the
+problem linear:
 
     sum z <= 1,    0 <= J_n a <= A (1 - sum z)                     A: bound of accelerations
     f = sum of generators of the mode's cone, sum of f_n <= F z    F: bound of forces
@@ -91,7 +91,7 @@ class Strength:
       search.
     """
     fall: float
-    """Greatest acceleration of a body along its weight [g] in the solution that was found; 0 without a solution."""
+    """Greatest acceleration of a body along its weight [g] in the solution; 0 without a solution."""
     choices: int
     """Number of binary variables for the modes of all corners."""
 

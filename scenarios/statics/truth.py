@@ -38,8 +38,9 @@ from scenarios.statics.pile import gyration_of, pile_of_bricks
 from scenarios.statics.scene_states import scene_states
 
 LESS_FRICTION = 0.9
-"""Share of the friction with which a pile that needs friction must stand as well, because two of 709 kinds of tight
-courses stood when loaded from zero, but fell in two engines. With this share, one of these two does not stand."""
+"""Share of the friction with which a pile that needs friction must stand as well. The reason is that two of 709 kinds
+of tight courses stood in the loading from zero, but fell in two engines. With this share, one of these two kinds does
+not stand."""
 
 
 class UndecidedError(ArithmeticError):
@@ -100,7 +101,7 @@ def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
         if statics.verdict == "doubt":
             raise UndecidedError(
                 f"{scene.variant}: statics must decide every state of the scene, but is in doubt after {placed} placed "
-                f"bricks ({statics.why}): change the scene, or give it the outcome 'study'"
+                f"bricks ({statics.why}): change the scene, or give the scene the outcome 'study'"
             )
         if not statics.stable:
             return level
