@@ -118,7 +118,7 @@ class BulletWorld:
             pybullet.changeDynamics(handle, -1, **inertia, physicsClientId=self.client)
 
     def cancel_gravity(self, handle: int, gravity: Vector) -> None:
-        """Apply the force to a moved body that cancels ``gravity`` [m/s2] in the next step."""
+        """Apply to a moved body the force that cancels ``gravity`` [m/s2] in the next step."""
         place, _ = pybullet.getBasePositionAndOrientation(handle, self.client)
         x, y, z = gravity
         lift = (-HEAVY * x, -HEAVY * y, -HEAVY * z)

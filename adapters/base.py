@@ -172,7 +172,7 @@ class Simulation(EngineHooks):
         if body not in self.bodies.moved:
             raise KeyError(
                 f"drive() needs a body that the host moves, but body {body} is not among the moved bodies "
-                f"{sorted(self.bodies.moved)}: pass an id of these, or spawn the body as Brick(..., moved=True)"
+                f"{sorted(self.bodies.moved)}: pass one of these ids, or spawn the body as Brick(..., moved=True)"
             )
         if not (np.isfinite(linear).all() and np.isfinite(angular).all()):
             raise ValueError(f"velocities must be finite, got {linear} m/s and {angular} rad/s; check for NaN")

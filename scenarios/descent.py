@@ -43,7 +43,7 @@ class Placed:
 
     shape: Shape
     size: Point
-    """Edge lengths [m] of the smallest box along the own axes."""
+    """Edge lengths [m] of the smallest box along its own axes."""
     center: FloatArray
     """Centre of mass [m], shape (3,)."""
     turn: FloatArray

@@ -11,7 +11,7 @@ body is the edge lengths of the smallest box along these axes that holds the bod
 
 ``size`` describes every shape completely, except a polyhedron.
 
-``scenarios.solids`` makes bodies of these shapes, and ``scenarios.polyhedra`` finds the own frame of a polyhedron.
+``scenarios.solids`` makes bodies of these shapes, and ``scenarios.polyhedra`` finds a polyhedron's own frame.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Polyhedron:
 
     @cached_property
     def extents(self) -> Point:
-        """Return the edge lengths [m] of the smallest box along the own axes that holds all vertices."""
+        """Return the edge lengths [m] of the smallest box along its own axes that holds all vertices."""
         x, y, z = np.ptp(self.array, axis=0).tolist()
         return x, y, z
 
@@ -88,12 +88,12 @@ def reach(shape: Shape, size: Point) -> float:
 
 
 def support_points(shape: Shape, size: Point, directions: FloatArray) -> FloatArray:
-    """Return a farthest point [m] of the shape along each direction, shape (n, 3), in the own frame.
+    """Return a farthest point [m] of the shape along each direction, shape (n, 3), in the shape's own frame.
 
     Args:
         shape: the shape.
-        size: edge lengths [m] of the smallest box along the own axes.
-        directions: vectors of any length above 0, shape (n, 3), in the own frame.
+        size: edge lengths [m] of the smallest box along its own axes.
+        directions: vectors of any length above 0, shape (n, 3), in the shape's own frame.
     """
     if isinstance(shape, Polyhedron):
         farthest: FloatArray = shape.array[(directions @ shape.array.T).argmax(axis=1)]

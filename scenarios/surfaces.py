@@ -39,7 +39,7 @@ def surface_of(shape: Shape, size: Point) -> Surface:
 
     Args:
         shape: the shape.
-        size: edge lengths [m] of the smallest box along the own axes.
+        size: edge lengths [m] of the smallest box along its own axes.
     """
     if isinstance(shape, Polyhedron):
         from scenarios.polyhedra import faces  # here, because trimesh is slow to import

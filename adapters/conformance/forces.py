@@ -66,7 +66,7 @@ def _mean_force(simulation: Simulation, body: int, other: int) -> FloatArray:
 
 
 def carries_a_resting_brick(rig: Rig) -> None:
-    """Check that the forces on a brick at rest, on the ground and on a frozen brick, add up to its weight."""
+    """Check that contact forces add up to the weight of a brick at rest on the ground and on a frozen brick."""
     simulation = rig.open()
     (support,) = frozen_column(simulation, 1, xs=(0.3,))
     on_ground, on_frozen = place_on(simulation, 0), place_on(simulation, 1, x=0.3)

@@ -59,7 +59,7 @@ def heights_of(body: IntArray, bodies: int) -> IntArray:
 
 @numba.njit(cache=True)
 def _neighbours(body: IntArray, bodies: int) -> tuple[IntArray, IntArray]:
-    """Return a list of the neighbours of all live bodies, after the start index of each body in this list."""
+    """Return the start index of each live body in a list of neighbours, and this list."""
     first = np.zeros(bodies + 1, np.int64)
     for c in range(len(body)):
         if body[c, 0] >= 0 and body[c, 1] >= 0:

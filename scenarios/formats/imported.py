@@ -31,7 +31,7 @@ class Imported:
 
 
 def with_common_friction(world: World, bricks: Sequence[Brick]) -> tuple[World, tuple[Brick, ...]]:
-    """Remove the coefficients of friction of bricks and fixed bodies that equal the world's coefficient.
+    """Remove coefficients of friction that equal the world's coefficient from bricks and fixed bodies.
 
     The result has the same friction, because a body without its own coefficient has the world's coefficient. A scene
     with a single coefficient also runs on engines that accept one coefficient only. The function changes nothing unless

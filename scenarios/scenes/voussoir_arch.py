@@ -140,8 +140,8 @@ def _joints(voussoirs: int) -> FloatArray:
 def _sector(low: float, high: float, thickness: float, *, is_cut: bool) -> tuple[float, float]:
     """Return area and centroid x of the section of the voussoir between two angles, for an arch of mean radius 1.
 
-    With ``is_cut`` the function returns the values of the half right of the crown. The section is a trapezoid, because
-    the faces of a voussoir are flat.
+    With ``is_cut`` the function returns the values of the half to the right of the crown. The section is a trapezoid,
+    because the faces of a voussoir are flat.
     """
     inner, outer = 1 - thickness / 2, 1 + thickness / 2
     corners = [(inner, low), (outer, low), (outer, high), (inner, high)]
