@@ -101,7 +101,7 @@ def friction_in_box(problem: ContactRows, before: FloatArray, bound: FloatArray)
     Args:
         problem: the contacts.
         before: velocities w0, shape (6 m,).
-        bound: mu alpha, shape (n,).
+        bound: bound mu alpha of the friction (see the module docstring), shape (n,).
     """
     loaded = np.flatnonzero(bound > CLEAR_BOUND)
     size, n = len(before), 2 * len(loaded)

@@ -133,7 +133,7 @@ def _slide(rig: Rig, degrees: float) -> float:
 
 
 def slides_on_a_tilted_platform_above_the_friction_angle(rig: Rig) -> None:
-    """Check that a brick on a tilted platform holds below the friction angle atan(mu) and slides above this angle."""
+    """Check that a brick on a tilted platform holds below the friction angle and slides above this angle."""
     # 2 deg: in MuJoCo with one step per frame the brick slides a fifth of the true distance at 1 deg above.
     require_friction_angle(lambda degrees: _slide(rig, degrees), margin=2.0)
 

@@ -81,7 +81,7 @@ def rests_on_a_fixed_box(rig: Rig) -> None:
 
 
 def slides_on_a_fixed_slope_above_the_friction_angle(rig: Rig) -> None:
-    """Check that a brick on a fixed slope slides above the friction angle atan(mu) and holds below this angle."""
+    """Check that a brick on a fixed slope slides above the friction angle and holds below this angle."""
 
     def slide(degrees: float) -> float:
         angle, thick, half = math.radians(degrees), 0.05, 1.0

@@ -104,7 +104,7 @@ def resists_a_steady_push(rig: Rig) -> None:
 
 
 def keeps_forces_within_the_laws_of_contact(rig: Rig) -> None:
-    """Check that friction is at most mu times the normal force at each contact, and that no force acts across a gap."""
+    """Check that friction stays inside Coulomb's cone at each contact, and that no force acts across a gap."""
     simulation = rig.open()
     stack = [simulation.spawn(plank(z=(level + 0.5) * THICKNESS)) for level in range(3)]
     alone = place_on(simulation, 0, x=0.3)

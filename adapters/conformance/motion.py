@@ -129,12 +129,12 @@ def _slide(rig: Rig, degrees: float, heading: Vector, levels: int) -> float:
 
 
 def slides_on_the_ground_above_the_friction_angle(rig: Rig) -> None:
-    """Check that a brick on the ground slides above the friction angle atan(mu) and holds below this angle."""
+    """Check that a brick on the ground slides above the friction angle and holds below this angle."""
     require_friction_angle(lambda degrees: _slide(rig, degrees, (1.0, 0.0, 0.0), 0))
 
 
 def slides_on_a_frozen_brick_above_the_friction_angle(rig: Rig) -> None:
-    """Check that a brick on a frozen brick slides above the friction angle atan(mu) and holds below this angle."""
+    """Check that a brick on a frozen brick slides above the friction angle and holds below this angle."""
     require_friction_angle(lambda degrees: _slide(rig, degrees, (1.0, 0.0, 0.0), 1))
 
 
@@ -144,7 +144,7 @@ def slides_sideways_above_the_friction_angle(rig: Rig) -> None:
 
 
 def is_braked_by_friction_between_live_bricks(rig: Rig) -> None:
-    """Check that a pushed brick slides over a live brick with the deceleration mu g."""
+    """Check that a pushed brick slides over a live brick with the deceleration mu g (mu: coefficient of friction)."""
     simulation = rig.open()
     simulation.spawn(plank())
     upper = place_on(simulation, 1)

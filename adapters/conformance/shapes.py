@@ -134,7 +134,7 @@ def reports_where_every_shape_stands(rig: Rig) -> None:
 
 
 def slides_on_every_flat_face(rig: Rig) -> None:
-    """Check that a standing cylinder and a prism slide above the friction angle atan(mu), and hold below this angle."""
+    """Check that a standing cylinder and a prism slide above the friction angle, and hold below this angle."""
     flat = {
         "cylinder": cylinder(RADIUS, 0.01, position=HERE, mass=MASS),
         "polyhedron": polyhedron(np.array(_hexagon(0.02)) * (1.0, 1.0, 0.3), position=HERE, mass=MASS),

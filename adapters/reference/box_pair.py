@@ -3,7 +3,7 @@
 Separating axes: the three face normals of each box, and the nine cross products of their edges. The axis with the
 greatest separation gives the normal. In a tie a face of the first box wins, then a face of the second box. Where two
 boxes touch along parallel edges, the cross product vanishes, so that the normal is a face normal. Therefore an inverted
-V stands only if its planks are steeper than 90 deg - atan(mu) (``Capabilities.ridge_normal``).
+V stands only if its planks are steeper than 90 deg minus the friction angle (``Capabilities.ridge_normal``).
 
 Points: the reference face belongs to the box whose face gives the normal. The sides of the reference face clip the face
 of the other box that is most antiparallel to the normal (Sutherland and Hodgman). Two crossing edges have one point, in

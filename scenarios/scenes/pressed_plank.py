@@ -30,7 +30,7 @@ def pressed_plank(*, force: Annotated[float, Real(0.01, 10)] = 1.5, levels: Anno
     """Press the topmost plank of a tower steadily along its length.
 
     Args:
-        force: ratio of the force to mu m g, the greatest friction that holds the plank.
+        force: ratio of the force to the greatest friction that holds the plank.
         levels: number of planks.
     """
     actions: tuple[Action, ...] = one_a_second([lay(0.0, level=level)] for level in range(1, levels + 1))
