@@ -3,29 +3,29 @@
 Freezing: the adapter stops the body and makes it static. A body that becomes dynamic again has the mass and inertia of
 its shape. Box3D does not collide static bodies with one another.
 
-Contacts: before each reading, the adapter makes a step of length 0, which detects the contacts at the present poses and
-solves nothing, so that later motion does not change by a bit. ``find_contacts`` makes the same step. Box3D also lists
-points within its prediction distance; the adapter omits points with a gap of more than 0.1 mm. The force of a contact
-is its impulse in the solver's latest iteration, divided by the duration of the iteration. Under a steady load this
-force is exact. A contact that only the step of length 0 has detected has no force.
+Contacts: before each reading, the adapter makes a step of length 0. This step detects the contacts at the present
+poses, and solves nothing, so that later motion does not change by a bit. ``find_contacts`` makes the same step. Box3D
+also lists points within its prediction distance. The adapter omits points with a gap of more than 0.1 mm. The force of
+a contact is its impulse in the solver's latest iteration, divided by the duration of the iteration. Under a steady load
+this force is exact. A contact that only the step of length 0 has detected has no force.
 
 Friction: the coefficient of a pair is the geometric mean of both shapes' coefficients (as shipped). Every shape has the
 coefficient of its brick, or the world's coefficient if the brick has none. The law is a cone, with one constraint per
 manifold for sliding and one constraint for twist.
 
-Stiffness: contacts are springs. Their sag under load is inversely proportional to the square of their natural
-frequency, ``contactHertz``. Box3D silently caps this frequency at an eighth of the rate of its iterations (Box3D's name
-for them is substeps), and at a quarter of that rate against static bodies.
+Stiffness: contacts are springs. The sag under load is inversely proportional to the square of the springs' natural
+frequency, ``contactHertz``. Box3D silently caps this frequency. The cap is an eighth of the rate of Box3D's iterations
+(Box3D calls these iterations substeps), and a quarter of that rate against static bodies.
 
 Traps:
 
-- ``b3SetLengthUnitsPerMeter`` is global in the process. Box3D reads it in every step, when it creates a shape and when
-  a body changes its type, so that the adapter sets this unit before each of these calls. Tolerances are multiples of
-  the unit: the slop (5 mm), the distance of predicted contacts (20 mm) and the distance within which contacts are
-  recycled (50 mm). With the shipped unit these distances are too large for a plank 8 mm thick.
+- ``b3SetLengthUnitsPerMeter`` is global in the process. Box3D reads this unit in every step, when Box3D creates a
+  shape, and when a body changes its type. Therefore the adapter sets the unit before each of these calls. Tolerances
+  are multiples of the unit: the slop (5 mm), the distance of predicted contacts (20 mm) and the distance within which
+  Box3D recycles contacts (50 mm). With the shipped unit these distances are too large for a plank 8 mm thick.
 - The package's own ``World`` hides most of the API, and ``pybox3d`` is another engine.
-- Box3D only logs a state that is not finite, and the next step never returns. Therefore the adapter makes no step after
-  such a state, and reports poses as NaN.
+- Box3D only logs a state that is not finite, and the next step does not return. Therefore the adapter makes no step
+  after such a state, and reports poses as NaN.
 """
 
 from __future__ import annotations

@@ -72,12 +72,12 @@ class Manifolds:
     def impulses_at(self, fresh: Manifolds, listed: BoolArray) -> FloatArray:
         """Return the impulses (n, 4, 3) [N s] at the points that a later step of length 0 has detected.
 
-        Box3D drops the impulse of a point if other vertices or edges of the boxes meet there, which happens at rest
+        Box3D drops the impulse of a point if other vertices or edges of the boxes meet there. This case occurs at rest
         between planks with flush edges. This method divides the impulse of a contact among its points, in proportion to
         the normal impulse of the nearest solved point.
 
         Args:
-            fresh: contacts of the later detection; a contact that was not solved has no impulse.
+            fresh: contacts of the later detection; a contact that the solver has not solved has no impulse.
             listed: True for each point that gets a part of its contact's impulse, shape (n, 4).
         """
         if not len(self.contact):

@@ -99,7 +99,7 @@ class Box3dWorld:
         lib.b3World_SetGravity(self.world, gravity)
 
     def step(self, seconds: float, iterations: int) -> None:
-        """Make one step, unless the world has diverged, because the engine's step would then never return."""
+        """Make one step, unless the world has diverged, because the engine's step would then not return."""
         if not self.has_diverged:
             self._set_length_unit()
             lib.b3World_Step(self.world, seconds, iterations)

@@ -2,20 +2,21 @@
 
 Freezing: the adapter stops the body, sets its mass to 0 and its activation state to asleep. The body is then static:
 nothing moves it by a single bit, and Bullet does not collide two frozen bodies. Unfreezing restores the mass, and
-Bullet then computes inertia and gravity again. (Bullet never applies gravity to a body created with mass 0, so that
-the adapter creates every brick with its mass.)
+Bullet then computes inertia and gravity again. Bullet applies no gravity to a body created with mass 0. Therefore the
+adapter creates every brick with its mass.
 
 Contacts: Bullet reports the contacts that the latest step solved, detected at the poses before that step. Bullet lists
-penetrating points only, often three of a face's four corners; the port adds the missing corners. Bullet reports no
+penetrating points only, often three of a face's four corners. The port adds the missing corners. Bullet reports no
 approach speed, so that ``SubstepSimulation`` records the pose and the velocity of every live body before each substep.
 
 ``find_contacts`` runs ``performCollisionDetection`` in a second world with the same bodies and changes nothing in the
-first. In the first world the call would refresh Bullet's cached points. Such a refresh displaced a falling pile by 10
-mm after 1 s. The second world has no cached points, so that it may list other corners than the next step solves.
+first. In the first world the call would refresh Bullet's cached points. This refresh displaced a falling pile by 10 mm
+after 1 s. The second world has no cached points. Therefore ``find_contacts`` may list other corners than the next step
+solves.
 
-Friction: the coefficient of a pair is the product of both bodies' coefficients, so that each body has the square root
-of its own coefficient, or of the world's coefficient if the body has none. The law is a cone. Restitution follows the
-same rule.
+Friction: the coefficient of a pair is the product of both bodies' coefficients. Therefore the adapter gives each body
+the square root of its own coefficient, or of the world's coefficient if the body has none. The law is a cone.
+Restitution follows the same rule.
 
 Shapes: Bullet gives a capsule and a convex hull the inertia of a box. Therefore the adapter sets the inertia, together
 with the mass, because the inertia alone makes the next pose NaN. The adapter sets the margin of a hull to 0, because
@@ -26,8 +27,8 @@ Traps:
 - The ground is a box, because on a plane Bullet needs ten steps to detect four contact points.
 - Bullet reuses the handles of removed bodies.
 - ``numSubSteps`` divides the reported forces, so that the adapter makes the substeps one by one.
-- The engine's own sleep does not end when a support is removed. The adapter cannot set the speed threshold of this
-  sleep (between 0.2 and 0.3 m/s, for 2 s), because ``sleepThreshold`` works on multibodies only. The profile
+- The engine's own sleep does not end when the host removes a support. The adapter cannot set the speed threshold of
+  this sleep (between 0.2 and 0.3 m/s, for 2 s), because ``sleepThreshold`` works on multibodies only. The profile
   ``default`` keeps multibodies, PyBullet's standard. Multibodies stack worse than rigid bodies, and have a damping of
   0.04.
 - A moved body is heavy, not kinematic. The adapter disables its collisions with the ground, fixed boxes and frozen

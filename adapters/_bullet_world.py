@@ -79,7 +79,7 @@ class BulletWorld:
             self._step_s = seconds
 
     def set_gravity(self, gravity: Vector) -> None:
-        """Set the gravity [m/s2] of active bodies, and of bodies that are added later."""
+        """Set the gravity [m/s2] of active bodies, and of bodies that the caller adds later."""
         pybullet.setGravity(*gravity, physicsClientId=self.client)
 
     def add_fixed(self, body: int, box: Brick) -> None:
@@ -105,7 +105,7 @@ class BulletWorld:
         pybullet.setCollisionFilterPair(handle, other, -1, -1, int(do), self.client)
 
     def wake(self, handle: int) -> None:
-        """End the engine's own sleep of a body, because a new velocity alone does not end it."""
+        """End the engine's own sleep of a body, because a new velocity alone does not end this sleep."""
         pybullet.changeDynamics(handle, -1, activationState=self.awake, physicsClientId=self.client)
 
     def freeze(self, handle: int) -> None:
@@ -118,7 +118,7 @@ class BulletWorld:
             pybullet.changeDynamics(handle, -1, **inertia, physicsClientId=self.client)
 
     def cancel_gravity(self, handle: int, gravity: Vector) -> None:
-        """Apply the force to a moved body that cancels ``gravity`` [m/s2] in the next step."""
+        """Apply to a moved body the force that cancels ``gravity`` [m/s2] in the next step."""
         place, _ = pybullet.getBasePositionAndOrientation(handle, self.client)
         x, y, z = gravity
         lift = (-HEAVY * x, -HEAVY * y, -HEAVY * z)

@@ -8,8 +8,9 @@ Mechanisms:
 - Contacts: a step of DART collides first, then solves, then moves, so that the contacts belong to the poses before the
   latest substep.
 - Friction: the coefficient of a pair is the smaller of both bodies' coefficients, and every body has the world's
-  coefficient. The law is a box: along the diagonal of the two tangents, friction reaches sqrt(2) mu times the normal
-  force. DART chooses the tangents: no call in Python turns them, but a small tilt of the normal may turn them.
+  coefficient. The law is a box: along the diagonal of the two tangents, friction reaches sqrt(2) times its bound along
+  a tangent. DART chooses the tangents: no call in Python turns the tangents, but a small tilt of the normal may turn
+  them.
 - Approach speed: DART reports no approach speed. The adapter records the velocities before each substep and reports the
   fastest approach.
 - ``find_contacts`` collides the bodies of the world and stores the contacts in a separate result. DART's collision
@@ -19,20 +20,21 @@ Mechanisms:
 Traps:
 
 - As shipped DART keeps at most 1000 contacts of all pairs together; ``_dart_limits`` raises the limit.
-- A penetration shrinks at a speed of at most 1 mm/s. Below a depth of 0.4 mm, it shrinks by a hundredth of the depth in
-  a step of 1/240 s. No knob in Python changes these rates. Only shorter steps keep a landing brick from sinking.
-- If the matrix-free solver exhausts its iterations, DART starts again with the dense solver, whose time grows with the
-  cube of the number of contacts. For impulses below 1 N s the relative tolerance of the matrix-free solver
-  is in effect absolute [N s].
-- With DART's own collision detector the matrix-free solver is not repeatable on tens of bricks: the same contacts in
+- A penetration shrinks at a speed of at most 1 mm/s. Below a depth of 0.4 mm, the penetration shrinks by a hundredth of
+  the depth in a step of 1/240 s. No knob in Python changes these rates. Only shorter steps keep a landing brick from
+  sinking.
+- If the matrix-free solver exhausts its iterations, DART starts again with the dense solver. The time of the dense
+  solver grows with the cube of the number of contacts. For impulses below 1 N s the relative tolerance of the
+  matrix-free solver is in effect absolute [N s].
+- With DART's own collision detector the matrix-free solver is not repeatable on tens of bricks. The same contacts in
   the same order give impulses that differ within the tolerance, depending on memory addresses. With FCL's and Bullet's
-  detectors the solver was repeatable, but a brick on a frozen brick stuck 1 deg above the friction angle (possibly
-  because the friction box was turned).
+  detectors the solver was repeatable. But there a brick on a frozen brick stuck 1 deg above the friction angle. A
+  possible reason is another direction of the friction box.
 - DART's own sleeping starts under ``default`` after 0.5 s at rest. Under the matrix-free solver a pile that rested
   below both speed thresholds was still awake after 3 s.
-- The Python wrapper of a collision object is identified by a memory address. DART may reuse the address after the
-  skeleton is removed, so that ``_remove`` first reads the contacts that still refer to the wrapper, and then deletes
-  the wrapper.
+- A memory address identifies the Python wrapper of a collision object. DART may reuse the address after the removal of
+  the skeleton. Therefore ``_remove`` first reads the contacts that still refer to the wrapper, and then deletes the
+  wrapper.
 """
 
 from __future__ import annotations

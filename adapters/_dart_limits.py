@@ -1,8 +1,9 @@
-"""DART's limit on contacts, which its Python interface can read but not set.
+"""DART's limit on the number of contacts: the Python interface reads the limit, but has no call that sets it.
 
-In dartpy 6.20 ``getCollisionOption`` returns a copy, so that an assignment to its fields changes nothing. The C++
-method of the same name is exported and returns the solver's own option; this module writes the field of that option.
-The module compares the old and the new value with the values in dartpy, so that another memory layout raises an error.
+In dartpy 6.20 ``getCollisionOption`` returns a copy, so that an assignment to its fields changes nothing. The library
+exports the C++ method of the same name, which returns the solver's own option. This module writes the field of that
+option. The module compares the old and the new value with the values in dartpy, so that another memory layout raises an
+error.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ class _CollisionOption(ctypes.Structure):
 
 
 def contacts_for(bricks: int) -> int:
-    """Return a limit that the number of contacts among ``bricks`` bricks and the ground cannot exceed."""
+    """Return an upper bound of the number of contacts among ``bricks`` bricks and the ground."""
     return max(SHIPPED, PER_PAIR * bricks * (bricks + 1) // 2)
 
 
@@ -50,7 +51,7 @@ def raise_limit(solver: Any, contacts: int) -> None:
 
 
 def _option_of(solver: Any) -> _CollisionOption | None:
-    """Return the solver's option in DART's memory; None if the C++ method is not exported."""
+    """Return the solver's option in DART's memory; None if the library does not export the C++ method."""
     getter = getattr(ctypes.CDLL(dartpy.__file__), _GETTER, None)
     if getter is None:
         return None

@@ -23,7 +23,7 @@ _IMPULSE_TOLERANCES = ("matrix_free_delta_tolerance", "matrix_free_relative_tole
 """Knobs that are impulses [N s], chosen for planks; for heavier or lighter bricks ``configure`` scales them with the
 mass."""
 _PLANK_MASS = 0.0119
-"""Mass [kg] of the plank for which ``_IMPULSE_TOLERANCES`` were chosen."""
+"""Mass [kg] of the plank that determines ``_IMPULSE_TOLERANCES``."""
 
 _DEACTIVATION_OPTIONS = {
     "deactivation": "mEnabled",
@@ -85,10 +85,10 @@ def _mass_in_planks(bricks: Sequence[Brick]) -> float:
 
     The reference mass is the mass of
 
-    - the lightest expected brick, if all are heavier than a plank. With the tolerance of planks of 12 g, 1e-7 N s, the
-      solver exhausts its iterations on blocks of 4 kg, and the dense solver starts;
-    - the heaviest expected brick, if all are lighter than a plank. With a tolerance of 3e-7 N s, planks of 12 mg, whose
-      weight is 5e-7 N s per step, fall through the ground;
+    - the lightest expected brick, if all expected bricks are heavier than a plank. With the tolerance of planks of 12
+      g, 1e-7 N s, the solver exhausts its iterations on blocks of 4 kg, and the dense solver starts;
+    - the heaviest expected brick, if all expected bricks are lighter than a plank. With a tolerance of 3e-7 N s, planks
+      of 12 mg, whose weight is 5e-7 N s per step, fall through the ground;
     - a plank otherwise, because the lightest brick is then a piece of a plank, and few scenes have pieces of planks.
     """
     masses = [brick.mass for brick in bricks if not brick.moved] or [_PLANK_MASS]

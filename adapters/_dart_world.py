@@ -71,7 +71,7 @@ class DartWorld:
         self.joints[body] = joint
 
     def add_moved(self, body: int, brick: Brick) -> None:
-        """Add a brick that the host moves, on a joint whose velocity is prescribed."""
+        """Add a brick that the host moves, on a joint of prescribed velocity."""
         self.add_live(body, brick)
         self.joints[body].setActuatorType(dartpy.dynamics.ActuatorType.VELOCITY)
 
@@ -96,7 +96,7 @@ class DartWorld:
         del self.world
 
     def _make_room(self, bricks: int) -> None:
-        """Raise DART's limit on contacts to the greatest number that a scene of ``bricks`` bricks can have."""
+        """Raise DART's limit on contacts to the greatest number of contacts in a scene of ``bricks`` bricks."""
         if bricks > self._room:
             self._room = max(bricks, 2 * self._room)
             raise_limit(self.world.getConstraintSolver(), contacts_for(self._room))

@@ -1,14 +1,15 @@
 """Shock propagation after Erleben 2007: a reference engine, written in this repository.
 
-Each step solves the contacts of the whole stack, then one layer after the other from the ground up, each layer on a
-fixed floor: see ``_erleben_solver``. With the fraction phi = 0, as the method's author coded it, structured stacks
-stand without sinking at little cost. Stacks that must fall stand as well, because no layer feels the weight above it.
+Each step first solves the contacts of the whole stack. Then the step solves one layer after the other from the ground
+up, each layer on a fixed floor: see ``_erleben_solver``. With the fraction phi = 0, the value in the author's code,
+structured stacks stand without sinking at little cost. Stacks that must fall stand as well, because no layer carries
+the weight above.
 
 Forces: the impulses of a layer carry only the bodies of this layer, not the bodies above. Therefore the adapter reports
 no forces.
 
-The author's code skips a group of bodies that are slower than 4.5 mm/s in five steps. This adapter has no such
-sleeping, because the policies of the suite take its place.
+The author's code skips a group of bodies that are slower than 4.5 mm/s in five steps. This adapter skips no group,
+because the policies of the suite have this task.
 """
 
 from __future__ import annotations

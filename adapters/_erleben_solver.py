@@ -7,20 +7,19 @@ One step of length h, with the fraction phi:
            displace the passengers until no contact of the layer overlaps (first-order correction, no velocity)
            dynamics of the passengers over (1 - phi) h
 
-The layers, floors and passengers are those of ``reference.layers``. Dynamics means: add gravity, then find impulses
-lambda by projected Gauss-Seidel sweeps, with the friction bounds refreshed inside the sweep. With the scaled velocities
-w, the rows J and the driven velocities drive of ``reference.contact_rows``, the gap g, the time t of the dynamics and
-the coefficient of friction mu:
+The module ``reference.layers`` defines layers, floors and passengers. Dynamics means: add gravity, then find impulses
+lambda by projected Gauss-Seidel sweeps. Each sweep refreshes the friction bounds. The scaled velocities w, the rows J
+and the driven velocities drive come from ``reference.contact_rows``. The gap is g, the time of the dynamics t, and the
+coefficient of friction mu:
 
     0 <= lambda_n  complementary to  J_n w + drive + g / t >= 0,      |lambda_t| <= mu lambda_n along each tangent
     lambda_i <- clamp(lambda_i - (J_i w + drive_i + g_i / t) / |J_i|^2)
 
-With phi = 0 no layer feels the weight above it, because the weight acts on a fixed floor.
+With phi = 0 no layer carries the weight above, because this weight acts on a fixed floor.
 
 Source: K. Erleben, "Velocity-based shock propagation for multibody dynamics animation", ACM Transactions on Graphics
-26(2), 2007, as its author coded it in OpenTissue (class "constraint based shock propagation"). This module differs in
-two points: the term g / t lets a point that does not touch yet close its gap g within the time t, and the restitution
-is 0.
+26(2), 2007, in the author's own code in OpenTissue (class "constraint based shock propagation"). This module differs in
+two points. The term g / t lets a point that does not touch yet close its gap g within the time t. The restitution is 0.
 """
 
 from __future__ import annotations
@@ -87,7 +86,7 @@ def _propagate(
         body: live bodies a and b of each contact, -1 for a fixed box, shape (n, 2).
         jacobian: rows of each contact, shape (n, 3, 2, 6).
         drive: velocities along the rows from bodies that the host moves, shape (n, 3).
-        gap: gaps, in units of the way of the velocity unit in a step, shape (n,).
+        gap: gaps, over the distance that the velocity unit covers in a step, shape (n,).
         pull: velocities that gravity adds in a step, shape (m, 6).
         height: height of each body, shape (m,).
         layer: layer of each contact, shape (n,).

@@ -1,14 +1,14 @@
 """Havok, compiled to WebAssembly, in Node: npm package ``@babylonjs/havok``, single precision.
 
-Freezing: the adapter stops the body and makes it static. When the adapter makes the body dynamic again, it sets the
-mass and the inertia, and keeps the body active. Havok does not collide static bodies with one another.
+Freezing: the adapter stops the body and makes it static. When the adapter makes the body dynamic again, the adapter
+sets the mass and the inertia, and keeps the body active. Havok does not collide static bodies with one another.
 
 Contacts: each step emits one event per point, with positions and normals at the start of the step. The bridge moves
 positions and normals with the bodies to the poses after the step. Havok guarantees no points at a positive gap, so that
 the port adds the corners from the bricks' geometry. Havok reports no forces.
 
 Friction: the coefficient of a pair is the geometric mean of both shapes' coefficients (as shipped), and every shape has
-the world's coefficient. The first step in which bodies touch has no friction: with one step per frame, as shipped, a
+the world's coefficient. The first step in which bodies touch has no friction. With one step per frame, as shipped, a
 plank 1 deg above the friction angle slides 82 mm instead of 52 mm, and four conformance checks fail. With four steps
 per frame all checks pass. The API has no forces, so that the adapter applies a steady force as an impulse before each
 substep.
@@ -17,11 +17,11 @@ Ridges: where two bricks touch edge on edge, Havok reports the normal across bot
 
 Traps:
 
-- Havok rounds a box by a convex radius of half its thickness, at most 15 mm, so that the contact points of a plank lie
-  inside its edges. Havok does not round a convex hull of the eight corners.
+- Havok rounds a box by a convex radius of half its thickness, at most 15 mm. Therefore the contact points of a plank
+  lie inside its edges. Havok does not round a convex hull of the eight corners.
 - ``HP_World_SetIdealStepTime`` is 1/60 s as shipped: contacts in shorter steps are then as soft as in a step of 1/60 s.
   The value 0 switches this softness off.
-- In a world of scale 1 a slowly sliding brick stops (a plank slides 4 mm instead of 52 mm), so that all profiles have
+- In a world of scale 1 a slowly sliding brick stops (a plank slides 4 mm instead of 52 mm). Therefore all profiles have
   scale 10.
 - Havok expects the inertia of a body as if its mass were 1 kg.
 - All events share one block of memory, and the peer can read an event only once. The peer reads the fields from memory

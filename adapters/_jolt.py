@@ -3,9 +3,9 @@
 Freezing: the adapter stops the body and makes it static. A body that becomes dynamic again keeps its mass and inertia.
 Jolt does not collide static bodies with one another.
 
-Contacts: a listener, set only while contacts are read, receives the contacts at the start of each step, with the poses.
+Contacts: while the adapter reads contacts, a listener receives the contacts at the start of each step, with the poses.
 The bridge moves the points with the bodies to the poses after the step. Jolt also lists points within its speculative
-distance; the bridge omits points with a gap of more than 0.1 mm. Jolt reports no forces here.
+distance. The bridge omits points with a gap of more than 0.1 mm. Jolt reports no forces here.
 
 Friction: the coefficient of a pair is the geometric mean of both bodies' coefficients (as shipped), and every body has
 the world's coefficient. The law is a cone: one constraint per point, in the direction of sliding.
@@ -18,8 +18,8 @@ Traps:
 
 - As shipped Jolt rounds a box by a convex radius of 50 mm, more than a plank's thickness: the adapter sets the radius
   to 0.
-- As shipped Jolt never resolves an overlap of less than the slop, 20 mm.
-- No body wakes when its support is removed or gravity changes, so that the peer wakes all bodies.
+- As shipped Jolt does not resolve an overlap of less than the slop, 20 mm.
+- No body wakes when the host removes its support or changes gravity. Therefore the peer wakes all bodies.
 - The peer reads the fields of Jolt's objects from memory, ten times as fast as by Jolt's functions. The peer compares
   the memory layout with the functions at each start of the process.
 """

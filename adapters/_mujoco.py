@@ -1,13 +1,14 @@
 """MuJoCo 3 and 4: soft contacts, solved to convergence by Newton's method.
 
 Slots: MuJoCo compiles its model in advance, so that the adapter reserves a slot for every expected brick. A slot is a
-free body that is parked (without collisions, weight or cost) until the host spawns the brick (``_mujoco_slots.py``). If
-no free slot fits a brick, the adapter compiles a new model with more slots and copies the state (``_mujoco_world.py``).
+free body. Until the host spawns the brick, the slot is "parked": without collisions, weight or cost
+(``_mujoco_slots.py``). If no free slot fits a brick, the adapter compiles a new model with more slots and copies the
+state (``_mujoco_world.py``).
 
 Freezing: MuJoCo cannot make a body static, so that each slot has a second body, a mocap body with the same box (its
 "ghost"). The adapter parks a frozen brick, and the ghost collides at the brick's pose. Nothing moves a mocap body: the
-drift is exactly zero. MuJoCo lists no contacts of ghosts with one another or with the ground, because MuJoCo
-counts a ghost as a part of the world body, like the ground. A world without a port has no ghosts.
+drift is exactly zero. MuJoCo lists no contacts among ghosts and the ground, because a ghost counts as a part of the
+world body, like the ground. A world without a port has no ghosts.
 
 Contacts: MuJoCo lists the contacts at the start of the latest substep, and ``cvel`` holds the velocities at that time.
 Contacts and velocities together give the approach speed before the solver stops the bodies.
@@ -21,8 +22,8 @@ coefficient.
 Traps:
 
 - Divergence silently resets the world unless ``autoreset`` is off.
-- MuJoCo does not measure the distance of a speculative contact; the adapter reports this distance as unknown (NaN).
-- MuJoCo does not wake a sleeping brick whose support was removed.
+- MuJoCo does not measure the distance of a speculative contact. The adapter reports this distance as unknown (NaN).
+- MuJoCo does not wake a sleeping brick when the host removes its support.
 - Without a handler MuJoCo writes its warnings to a file in the working directory.
 """
 

@@ -33,7 +33,8 @@ class Approaches:
     def fastest(self, geoms: IntArray, normals: FloatArray, velocity: FloatArray) -> FloatArray:
         """Return the velocity of each contact's pair in the substep in which the pair approached fastest.
 
-        The method overwrites ``velocity`` by the result. The arguments are those of ``add``, for the last substep.
+        The method overwrites ``velocity`` by the result. The arguments have the same meaning as in ``add``, for the
+        last substep.
         """
         pairs, speed = _pairs(geoms), dot(velocity, normals)
         for earlier_pairs, earlier_speed, earlier_velocity in self._substeps:

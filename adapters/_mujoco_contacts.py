@@ -72,6 +72,6 @@ class Geoms:
     def fall(self, geoms: IntArray) -> FloatArray:
         """Return the change (n, 3) [m/s] of the relative velocities of ``geoms`` (n, 2) by gravity in one substep.
 
-        A pair with a speculative contact falls freely for that substep, because its bodies do not touch yet.
+        A pair with a speculative contact falls freely during this substep, because the pair's bodies do not touch yet.
         """
         return fall(self._world.model, self._is_live[geoms])

@@ -43,8 +43,9 @@ def pattern_of(brick: Brick) -> Brick:
 class SlotModel:
     """Compiled model of the ground, a slot per pattern, the fixed bodies and, with ``ghosts``, a ghost per slot.
 
-    A slot is a free body, parked until ``unpark``. A ghost is a mocap body with the same shape; nothing moves a mocap
-    body. MuJoCo's geom and body ids coincide: 0 is the ground, followed by slots, their ghosts and the fixed bodies.
+    A slot is a free body, parked until ``unpark``. A ghost is a mocap body with the same shape, and no force moves a
+    mocap body. MuJoCo's geom and body ids coincide: 0 is the ground, followed by slots, their ghosts and the fixed
+    bodies.
     """
 
     def __init__(self, patterns: Sequence[Brick], world: World, profile: Profile, *, ghosts: bool) -> None:

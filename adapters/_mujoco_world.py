@@ -48,12 +48,12 @@ class MujocoWorld:
 
     @property
     def slots(self) -> SlotModel:
-        """The model, compiled on first use, because the result of ``needs_ghosts`` is not known earlier."""
+        """Return the model; compile it on first use, because the result of ``needs_ghosts`` is unknown earlier."""
         return self._slots or self._compile(ghosts=self._needs_ghosts())
 
     @property
     def geoms(self) -> Geoms:
-        """The record of the model's geoms and their bodies."""
+        """Return the record of the model's geoms and their bodies."""
         if self._slots is None:
             self._compile(ghosts=self._needs_ghosts())
         return self._geoms

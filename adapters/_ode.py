@@ -1,21 +1,20 @@
 """ODE's QuickStep: projected Gauss-Seidel without warm starting, through the C API by ctypes and compiled code.
 
 Library: the adapter loads Debian's ``libode8``, in double precision, if installed; else the library in Panda3D's wheel,
-in single precision. The version in each record names the library (``_ode_library.py``). The adapter does not use
-``dWorldStep``, the exact solver, because in single precision its errors end the process, and because its time grows
-with the cube of the number of contacts.
+in single precision. The version in each record names the library (``_ode_library.py``). The adapter does not use the
+exact solver, ``dWorldStep``, for two reasons. In single precision its errors end the process, and its time grows with
+the cube of the number of contacts.
 
 Freezing: the adapter stops and disables the body, so that ODE does not step it. A contact of a frozen body joins the
-other body to the world, because ODE enables a disabled body again as soon as a contact joins it to a live body. A
+other body to the world. Otherwise ODE would enable the frozen body as soon as a contact joins it to a live body. A
 kinematic body at rest also keeps its pose to the bit, but ODE steps it.
 
 Contacts: ODE reports the contacts that the latest step solved, detected at the poses before that step. ODE lists
-penetrating points only; the port adds the missing corners. ODE reports no approach speed, so that
-``SubstepSimulation`` records the pose and the velocity of every live body before each substep. Forces are the feedback
-of the contact joints.
+penetrating points only. The port adds the missing corners. ODE reports no approach speed, so that ``SubstepSimulation``
+records the pose and the velocity of every live body before each substep. Forces are the feedback of the contact joints.
 
-``find_contacts`` runs ODE's collision detection at the present poses and does not change later steps, because the
-adapter sorts contacts by their bodies before it joins the bodies, and the order of ODE's space has no effect.
+``find_contacts`` runs ODE's collision detection at the present poses. The call does not change later steps: the order
+of ODE's space has no effect, because the adapter sorts contacts by their bodies.
 
 Friction: each contact has the world's coefficient. The law is a pyramid (``dContactApprox1``) along two directions that
 ODE chooses. On level faces these directions are the world's axes, so that along a diagonal friction holds up to 41 %
@@ -32,8 +31,8 @@ Traps:
   back.
 - A state that is not finite ends the process by an assertion. If the square of a position, speed or spin is not
   finite in single precision, the adapter makes no step and reports poses as NaN.
-- The engine's own sleep does not end when a support is removed.
-- The default friction (without ``dContactApprox1``) has a force as its bound, not a multiple of the normal force.
+- The engine's own sleep does not end when the host removes a support.
+- The default friction (without ``dContactApprox1``) has a force [N] as its bound, not a multiple of the normal force.
 """
 
 from __future__ import annotations

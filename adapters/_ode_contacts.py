@@ -75,8 +75,8 @@ def _collide_pairs(
 ) -> int:
     """Find the contact points of the pairs that touch a live body, sorted by bodies; return the number of points.
 
-    The order of the points follows from the ids of the bodies, not from the order of ODE's space, so that an additional
-    detection does not change the solver's result.
+    The order of the points follows from the ids of the bodies, not from the order of ODE's space. Therefore an
+    additional detection does not change the solver's result.
 
     Args:
         data_of: address of ``dGeomGetData``, which returns the body of a geometry.
@@ -234,19 +234,19 @@ class ContactFinder:
 
     @property
     def pairs(self) -> tuple[IntArray, IntArray]:
-        """Bodies a and b of each contact, each of shape (n,)."""
+        """Return bodies a and b of each contact, each of shape (n,)."""
         return self._body_a[: self.count].copy(), self._body_b[: self.count].copy()
 
     @property
     def geometry(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Points (n, 3) [m], unit normals (n, 3) from a to b, and separations (n,) [m]."""
+        """Return points (n, 3) [m], unit normals (n, 3) from a to b, and separations (n,) [m]."""
         geom = self._contacts[: self.count]["geom"]
         normal = -geom["normal"][:, :3].astype(np.float64)  # ODE's points into the first body
         return geom["position"][:, :3].astype(np.float64), normal, -geom["depth"].astype(np.float64)
 
     @property
     def forces(self) -> FloatArray:
-        """Forces (n, 3) [N] on bodies b in the step that followed ``join``."""
+        """Return the forces (n, 3) [N] on bodies b in the step that followed ``join``."""
         force = self._feedback[: self.count]["force_1"][:, :3].astype(np.float64)
         force[~self._is_b_first] *= -1.0  # ODE's first body is a, or b if nothing moves a
         return force

@@ -30,7 +30,7 @@ def _opened() -> tuple[ctypes.CDLL, str]:
     """Return the library with its origin: a file name, or the name and version of a package.
 
     Raises:
-        ImportError: if no library is installed.
+        ImportError: if the library is missing.
     """
     try:
         library = ctypes.CDLL(_DEBIAN)
@@ -153,8 +153,8 @@ def address_of(name: str) -> int:
 def c_call(signature: Any) -> Any:
     """Return a function that compiled code calls with the address of a C function and a tuple of its arguments.
 
-    The function does not use Numba's own ways to call a C function, because a first-class function costs 30 us as an
-    argument, and because Numba cannot cache compiled code that names a C function of ctypes. Clear Numba's cache after
+    The function does not use Numba's own ways to call a C function, for two reasons. A first-class function costs 30 us
+    as an argument, and Numba does not cache compiled code that names a C function of ctypes. Clear Numba's cache after
     a change of this function, because Numba does not detect the change.
 
     Args:

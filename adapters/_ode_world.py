@@ -149,7 +149,7 @@ class OdeWorld:
         lib.dWorldDestroy(self._world)
 
     def _diverges(self) -> bool:
-        """Return True if the world has diverged; a diverged world never recovers."""
+        """Return True if the world has diverged; the answer for a diverged world stays True."""
         live = [self._states[body] for body in np.flatnonzero(self._is_live).tolist()]
         if live and not (np.abs(np.concatenate(live)) < _MOST).all():
             self.has_diverged = True

@@ -2,14 +2,14 @@
 
 Freezing: the adapter makes the body kinematic (``stability_core.ports.sapien_calls``).
 
-Contacts: PhysX reports up to four points per pair, detected before the latest substep. It lists points with a gap of up
-to the sum of both shapes' contact offsets. As shipped this sum exceeds the thickness of two planks, so that PhysX lists
-a brick and the ground with another brick between them, without impulse. The adapter omits points with a gap of more
-than ``MAX_SEPARATION``. All poses and velocities come in one packed block of 32-bit floats.
+Contacts: PhysX reports up to four points per pair, detected before the latest substep. PhysX lists points with a gap of
+up to the sum of both shapes' contact offsets. As shipped this sum exceeds the thickness of two planks. Therefore PhysX
+also lists a brick and the ground with another brick between both, without impulse. The adapter omits points with a gap
+of more than ``MAX_SEPARATION``. All poses and velocities come in one packed block of 32-bit floats.
 
-``find_contacts`` makes one step of 1 us in a second world with the same bodies, weightless and at rest, because SAPIEN
-cannot collide without a step. It reads the contacts that PhysX detected at the start of that step, at the present
-poses. The first world does not change.
+``find_contacts`` makes one step of 1 us in a second world with the same bodies, weightless and at rest. A step is
+necessary, because SAPIEN detects contacts in a step only. ``find_contacts`` reads the contacts that PhysX detected at
+the start of that step, at the present poses. The first world does not change.
 
 Friction: the coefficient of a pair is the mean of both materials' coefficients, and every material has the world's
 coefficient, static and dynamic.
@@ -20,8 +20,8 @@ Traps:
   applies the difference times the mass of each body as a force.
 - PhysX computes a box's inertia from its density, but at least 1e-6 kg m2. A plank has less, so that the adapter sets
   the inertia.
-- Until the next step contacts refer to a removed component by its address, so that the adapter keeps the component.
-- SAPIEN warns of a missing Vulkan on import, although nothing is rendered.
+- Until the next step contacts refer to a removed component by its address. Therefore the adapter keeps the component.
+- SAPIEN warns of a missing Vulkan on import, although the adapter renders nothing.
 """
 
 from __future__ import annotations

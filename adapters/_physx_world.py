@@ -93,7 +93,7 @@ class PhysxWorld:
         return {name: getattr(owner, name) for knobs, owner in owners for name in knobs if name in set(names)}
 
     def remove(self, body: int) -> None:
-        """Remove a body, and keep its component until the next step, because contacts still refer to it."""
+        """Remove a body, and keep its component until the next step, because contacts still refer to the component."""
         component = self.components.pop(body)
         del self.body_of[component]
         self._scene.remove_entity(component.entity)
@@ -115,7 +115,7 @@ class PhysxWorld:
                 self.components[body].add_force_torque(mass * self._gravity_change, np.zeros(3, np.float32))
 
     def forget_removed(self) -> None:
-        """Release the components that were removed before the latest step."""
+        """Release the components that the host removed before the latest step."""
         self._removed_components.clear()
 
     def close(self) -> None:
@@ -135,7 +135,7 @@ class PhysxWorld:
 
 
 def _shape(brick: Brick, material: Any) -> Any:
-    """Return a collision shape; the axis of PhysX's capsule is x, which is turned onto the brick's z."""
+    """Return a collision shape; turn the axis of a capsule from PhysX's x to the brick's z."""
     x, _, z = half_edges(brick.size)
     if isinstance(brick.shape, Polyhedron):
         return physx.PhysxCollisionShapeConvexMesh(

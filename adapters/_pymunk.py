@@ -12,17 +12,18 @@ lost its mass and moment of inertia, so that the adapter sets both.
 
 Contacts: Chipmunk lists overlapping pairs, with at most two points, and no pair across a gap. A brick at rest overlaps
 its support by the slop, so that its contacts stay listed. Chipmunk's record of a pair is an arbiter. The order of
-arbiters and of ``Body.id`` depends on memory addresses: the adapter sorts both, so that runs repeat. A point in the
+arbiters and of ``Body.id`` depends on memory addresses. The adapter sorts both, so that runs repeat. A point in the
 plane represents a line across the bricks' depth, and the adapter reports both ends of that line.
 
 ``find_contacts`` runs Chipmunk's shape query for each live brick. The query detects contacts as a step does, but
 creates no arbiters and changes nothing. Between corners that meet, rounding determines the query's normals, with errors
-of up to 90 degrees; ``BoxTable`` replaces these contacts.
+of up to 90 degrees. ``BoxTable`` replaces these contacts.
 
-Friction: the coefficient of a pair is the product of both shapes' coefficients, so that each shape has the square root
-of its own, else of the world's. Restitution likewise.
+Friction: the coefficient of a pair is the product of both shapes' coefficients. Therefore the adapter gives each shape
+the square root of its brick's own coefficient, or of the world's coefficient if the brick has none. Restitution follows
+the same rule.
 
-Shapes: a sphere is a circle with a sphere's inertia; a polyhedron must be a prism with its axis along y.
+Shapes: a sphere is a circle with a sphere's inertia. A polyhedron must be a prism with its axis along y.
 
 Trap: ``Body.sleep()`` on a part of an island corrupts memory.
 """

@@ -31,7 +31,7 @@ def outline(polyhedron: Polyhedron) -> tuple[list[tuple[float, float]], float]:
     """Return the corners [mm] in the engine's plane of a prism with its axis along y, and its depth [m].
 
     Raises:
-        NotImplementedError: if the polyhedron is no such prism.
+        NotImplementedError: if the polyhedron is not a prism with its axis along y; the message names the fix.
     """
     depth = polyhedron.extents[1]
     ends = [

@@ -84,7 +84,7 @@ class PymunkWorld:
         unfreeze(self.bodies[body], brick.mass, moment(brick))
 
     def forget_static_pairs(self) -> None:
-        """Delete the arbiters of newly frozen bodies, because Chipmunk would keep and list these arbiters for ever.
+        """Delete the arbiters of newly frozen bodies, because Chipmunk would keep and list these arbiters.
 
         The next step detects the contacts of these bodies with live bodies again.
         """
@@ -109,7 +109,7 @@ class PymunkWorld:
         self.bodies[body] = planar
 
     def _add(self, body: int, planar: pymunk.Body, box: Brick, size: Vector) -> None:
-        """Add the engine's body for a brick, for a box with edges ``size`` [m]; ``body`` is its id in contacts."""
+        """Add the engine's body ``planar`` for a brick with the edges ``size`` [m]; ``body`` is its id in contacts."""
         length, depth, height = size
         planar.position, planar.angle = in_plane(box.position, box.quaternion)
         if box.shape == "sphere":
@@ -129,7 +129,7 @@ class PymunkWorld:
         self.depths[body] = depth
 
     def _longer(self, depths: FloatArray) -> FloatArray:
-        """Return the depths [m] with as many rows as the reader has, inf for a row without a body."""
+        """Return the depths [m] with as many rows as the reader has; a row without a body is infinite."""
         longer = np.full(self.reader.rows, np.inf)
         bodies = len(depths) - self.fixed_rows
         longer[:bodies] = depths[:bodies]

@@ -3,30 +3,31 @@
 Freezing: the adapter stops the body and makes it ``FIXED`` (``stability_core.ports.rapier_calls``).
 
 Contacts: the adapter moves Rapier's points and normals with the bodies to the poses after the step, and measures the
-separation there. Rapier also lists points within its prediction distance; the adapter omits points with a gap of more
+separation there. Rapier also lists points within its prediction distance. The adapter omits points with a gap of more
 than 0.1 mm. ``find_contacts`` detects collisions in a copy of the world.
 
-Friction: the coefficient of a pair is the mean of both colliders' coefficients (as shipped), or the
-geometric mean if a body has its own; the other colliders have the world's coefficient. The law is a cone,
-with one constraint per manifold for sliding and one constraint for twist.
-(``FrictionModel.COULOMB``, with one constraint per point, holds too little across a plank.)
+Friction: the coefficient of a pair is the mean of both colliders' coefficients (as shipped). If a body has its own
+coefficient, the pair has the geometric mean. All other colliders have the world's coefficient. The law is a cone, with
+one constraint per manifold for sliding and one constraint for twist. (``FrictionModel.COULOMB``, with one constraint
+per point, gives too little friction across a plank.)
 
-Shapes: the axis of Rapier's cylinders is y, so that the collider of a cylinder is turned in its body. While a pair
-moves by less than 1 mm Parry keeps its points, so that a lying cylinder may start to roll by itself.
+Shapes: the axis of Rapier's cylinders is y. Therefore the adapter turns the collider of a cylinder in its body. While a
+pair moves by less than 1 mm, Parry (Rapier's collision library) keeps the pair's points. Therefore a lying cylinder may
+start to roll by itself.
 
-Stiffness: contacts are springs. Their sag under load is inversely proportional to the square of their natural
+Stiffness: contacts are springs. The sag under load is inversely proportional to the square of the springs' natural
 frequency. The solver makes ``num_solver_iterations`` substeps per step, and resolves a frequency of up to a quarter of
 the rate of these substeps.
 
 Traps:
 
-- While two bodies turn together, Rapier keeps the normal of their contacts in the world's frame: on a tilting platform
-  a brick stuck at 30 deg, with mu = 0.45. The adapter makes Rapier detect the contacts of a turning moved body again in
-  each step. Between live bricks that turn together the normals stay outdated.
+- While two bodies turn together, Rapier keeps the normal of their contacts in the world's frame. On a tilting platform
+  a brick stuck at 30 deg, with a friction angle of 24 deg. The adapter makes Rapier detect the contacts of a turning
+  moved body again in each step. Between live bricks that turn together the normals stay outdated.
 - Many limits are multiples of ``length_unit``, for example the distance of predicted contacts and the greatest speed.
-- Parry keeps a pair's points while they move by less than 1 mm. This constant cannot be set: planks 0.78 mm thick
+- Parry keeps a pair's points while they move by less than 1 mm. No setting changes this constant. Planks 0.78 mm thick
   topple from the second level on, and stand with ``scale=10``.
-- Rapier silently resets a state that is not finite and disables the body; the adapter then reports poses as NaN.
+- Rapier silently resets a state that is not finite, and disables the body. The adapter then reports poses as NaN.
 """
 
 from __future__ import annotations

@@ -11,12 +11,12 @@ from stability_core.ports.rapier_calls import placed_points
 
 
 def in_bodies(pairs: IntArray, local: FloatArray, turned: Collection[int]) -> FloatArray:
-    """Return normals and points (n, 9) in the frames of the bodies, given those in the frames of their colliders.
+    """Convert normals and points (n, 9) from the frames of the colliders to the frames of the bodies.
 
     Args:
         pairs: bodies a and b, shape (n, 2).
         local: normals and points from ``local_points``, shape (n, 9).
-        turned: bodies whose collider is turned by 90 deg about x.
+        turned: bodies whose collider has a turn of 90 deg about x in the body's frame.
     """
     if not turned:
         return local

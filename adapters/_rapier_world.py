@@ -162,7 +162,7 @@ class RapierWorld:
 
 
 def _with_mass(collider: rapier3d.ColliderBuilder, brick: Brick) -> rapier3d.ColliderBuilder:
-    """Return the collider with the mass of the brick, and with its inertia where Rapier's own would not be exact.
+    """Return the collider with the mass of the brick, and with the brick's inertia where Rapier's own is not exact.
 
     The inertia of a cylinder is along the axes of its collider.
     """

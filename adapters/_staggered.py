@@ -1,14 +1,14 @@
 """Staggered projections after Kaufman et al. 2008: a reference engine, written in this repository.
 
 Each step alternates two quadratic programs, for impact and for friction, until both agree: see ``_staggered_solver``.
-The engine knows no scene, no sleeping and no policy, and shares no code with the judge, so that its results are
-independent. The engine is slow: use it for scenes of up to about 50 bricks.
+The engine contains no scene, no sleeping and no policy, and shares no code with the judge, so that its results are
+independent of the suite. Use the engine for scenes of up to about 50 bricks, because the engine is slow.
 
-Overlaps: the contacts of a step never add to an overlap. Rotation and placing still cause overlaps. The adapter removes
+Overlaps: the contacts of a step do not add to an overlap, but rotation and placing cause overlaps. The adapter removes
 an overlap of more than 0.01 mm by displacements, so that the removal adds no velocity.
 
 Warm start: each contact starts with the friction of the step before, at the nearest point of the same pair. At rest the
-first impact then already agrees with the friction, and the step solves one program.
+first impact program then agrees with the friction, and the step solves one program only.
 """
 
 from __future__ import annotations

@@ -1,9 +1,13 @@
 """The two quadratic programs of a staggered step, in the scaled units of ``reference.contact_rows``.
 
-With w the scaled velocities of the live bodies, w0 the velocities before a program, N and D the rows along normals and
-tangents, drive the velocities of driven bodies along these rows, g the gaps (as velocities over the step), mu the
-coefficient of friction, beta the friction impulses, and K(r) the box or disc with half width r in the plane of a
-contact:
+Symbols:
+
+- w: scaled velocities of the live bodies; w0: the velocities before a program;
+- N, D: rows along normals and tangents; drive: velocities of driven bodies along these rows;
+- g: gaps (as velocities over the step); mu: coefficient of friction; beta: friction impulses;
+- K(r): the box or the disc of half width r in the plane of a contact.
+
+Programs:
 
     impact:    min 1/2 |w - w0|^2    subject to  N w + drive_n >= -max(g, 0);   alpha are the multipliers
     friction:  min 1/2 |w|^2 + drive_t . beta   subject to  w = w0 + D^T beta,  beta in K(mu alpha)
@@ -13,7 +17,7 @@ greatest dissipation. The variables of both programs include the bodies' velocit
 sparse and the mass matrix is the unit matrix.
 
 The solver PIQP solves the programs. PIQP takes the upper triangle of the quadratic term, and infinite bounds as
-infinities. Only with ``cone = "disc"`` the solver Clarabel solves the friction program, because a disc of radius mu
+infinities. With ``cone = "disc"`` the solver Clarabel solves the friction program instead, because a disc of radius mu
 alpha is a second-order cone.
 """
 
@@ -97,7 +101,7 @@ def friction_in_box(problem: ContactRows, before: FloatArray, bound: FloatArray)
     Args:
         problem: the contacts.
         before: velocities w0, shape (6 m,).
-        bound: mu alpha, shape (n,).
+        bound: bound mu alpha of the friction (see the module docstring), shape (n,).
     """
     loaded = np.flatnonzero(bound > CLEAR_BOUND)
     size, n = len(before), 2 * len(loaded)

@@ -10,8 +10,8 @@
 Each turn ends with an impact, so that nothing penetrates. Both programs are projections, and neither program adds
 kinetic energy. The alternation may fail to converge. The solver then returns the iterate with the least residual.
 
-The residual of a contact is the change of velocity by which the projection of beta - D w / d on the cone of mu alpha
-differs from beta, with d the diagonal of D D^T. The residual is zero if and only if the friction obeys Coulomb's law,
+The matrix D D^T has the diagonal d. The projection of beta - D w / d on the cone of mu alpha differs from beta by a
+change of velocity, the residual of the contact. The residual is zero if and only if the friction obeys Coulomb's law,
 for the alpha of the same impact. See ``_staggered_programs`` for the symbols. The unit is the velocity that gravity
 adds in a step.
 
@@ -54,9 +54,11 @@ class Turns:
 class Mixing:
     """Anderson's acceleration of the alternation beta -> F(beta), the friction after an impact with friction beta.
 
-    With f_k = D^T (F(beta_k) - beta_k), the next friction is F(beta_k) - sum gamma_j (F(beta_j+1) - F(beta_j)), where
-    gamma minimises |f_k - sum gamma_j (f_j+1 - f_j)|. The norm is a norm of velocities, because the impulses of a stack
-    are not unique.
+    The velocities f_k = D^T (F(beta_k) - beta_k) measure the change in turn k. The next friction is
+
+        F(beta_k) - sum gamma_j (F(beta_j+1) - F(beta_j)),    gamma minimises |f_k - sum gamma_j (f_j+1 - f_j)|
+
+    The norm is a norm of velocities, because the impulses of a stack are not unique.
     """
 
     def __init__(self, problem: ContactRows, memory: int) -> None:
@@ -147,7 +149,7 @@ class StaggeredSolver:
             problem: the contact problem.
             velocity: velocities (m, 6) after the contacts.
             share: share of an overlap that the step removes.
-            most: greatest removed overlap, in units of the way of the velocity unit in a step.
+            most: greatest removed overlap, over the distance that the velocity unit covers in a step.
         """
         ahead = problem.gap + _along(problem, problem.jacobian[:, :1], velocity.ravel())[:, 0] + problem.drive[:, 0]
         least = np.where(ahead < 0.0, np.minimum(-share * ahead, most), -ahead)

@@ -1,4 +1,4 @@
-"""``Simulation``: the world that the harness drives. Its public methods check their input alike on every engine.
+"""``Simulation``: the world that the harness drives. The public methods check their input alike on every engine.
 
 An adapter implements the hooks of ``adapters.hooks``.
 """
@@ -74,13 +74,13 @@ class Simulation(EngineHooks):
 
     @classmethod
     def check_installed(cls) -> None:
-        """Raise ``ImportError`` if the adapter can be loaded, but no world of the engine can be opened."""
+        """Raise ``ImportError`` if the adapter loads, but the engine opens no world."""
 
     # -- driven by the harness ---------------------------------------------------------------------
 
     @property
     def port(self) -> EnginePort:
-        """The core's view of the simulation. Until the first access the engine need not record the core's input."""
+        """Return the core's view of the simulation; until the first access the engine need not record contact data."""
         if not self._is_observed:
             self._is_observed = True
             prepare()
@@ -88,17 +88,17 @@ class Simulation(EngineHooks):
 
     @property
     def scale(self) -> float:
-        """The profile's scale: a factor on the adapter's own lengths, for example on the size of the ground."""
+        """Return the profile's scale: a factor on the adapter's own lengths, for example on the size of the ground."""
         return self.info.profile.scale
 
     @property
     def is_observed(self) -> bool:
-        """True after the first access to ``port``: from then on the engine must record contact velocities."""
+        """Return True after the first access to ``port``; from then on the engine must record contact velocities."""
         return self._is_observed
 
     @property
     def reads_forces(self) -> bool:
-        """True if the engine must record contact forces: the port is in use, and engine and profile have forces."""
+        """Return whether the engine must record contact forces: port in use, and forces in engine and profile."""
         return self.is_observed and self.info.profile.forces and self.capabilities.forces != "no"
 
     def spawn(self, brick: Brick) -> int:
@@ -172,7 +172,7 @@ class Simulation(EngineHooks):
         if body not in self.bodies.moved:
             raise KeyError(
                 f"drive() needs a body that the host moves, but body {body} is not among the moved bodies "
-                f"{sorted(self.bodies.moved)}: pass an id of these, or spawn the body as Brick(..., moved=True)"
+                f"{sorted(self.bodies.moved)}: pass one of these ids, or spawn the body as Brick(..., moved=True)"
             )
         if not (np.isfinite(linear).all() and np.isfinite(angular).all()):
             raise ValueError(f"velocities must be finite, got {linear} m/s and {angular} rad/s; check for NaN")
@@ -184,7 +184,7 @@ class Simulation(EngineHooks):
         self.bodies.moved[body] = linear, angular
 
     def set_gravity(self, gravity: Vector) -> None:
-        """Change gravity [m/s2] for all following steps, on live bodies and on bodies that are unfrozen later.
+        """Change gravity [m/s2] for all following steps, on live bodies and on bodies that become live later.
 
         Raises:
             ValueError: if gravity is not finite, or leaves the plane of a planar engine.
@@ -223,15 +223,15 @@ class Simulation(EngineHooks):
         Until the next step ``port.contacts()`` returns the contacts that this call detects:
 
         - A pair whose faces or parallel edges touch within 0.1 mm (for planks; in proportion to the size of other
-          bricks) has the corners of its contact area, from the bricks' geometry (``BoxTable.with_exact_faces``),
-          because at gaps of exactly zero engines list no contacts, or normals that are rounding errors.
+          bricks) has the corners of its contact area. The corners come from the bricks' geometry
+          (``BoxTable.with_exact_faces``), because at a gap of zero an engine may list no contact or a wrong normal.
         - Deeper overlaps and crossing edges have the contacts that the engine detects at the present poses.
         - Separations and relative velocities belong to the present poses and velocities. There are no forces,
           because no step has solved these contacts.
-        - A body that is frozen, removed or moved later loses its contacts. A body that is spawned or unfrozen later
-          has no contacts until the next step or call.
+        - A later freeze, removal or move of a body deletes its contacts. A later new or unfrozen body has no contacts
+          until the next step or call.
 
-        The call changes no pose and no velocity by a bit, and the simulation continues as without the call, unless the
+        The call changes no pose and no velocity by a bit. The simulation continues as without the call, unless the
         docstring of the adapter states an exception.
         """
         self._port.find_contacts()

@@ -13,21 +13,21 @@ from scenarios.lookup import look_up
 
 
 class EngineEntry(Protocol):
-    """Interface of an entry of ``ENGINES``: where to load an engine's adapter."""
+    """Interface of an entry of ``ENGINES``, which loads the adapter of an engine."""
 
     @property
     def module(self) -> str:
-        """Name of the module that a process imports before it runs trials of the engine."""
+        """Return the name of the module that a process imports before it runs trials of the engine."""
         ...
 
     @property
     def remedy(self) -> str:
-        """Text for an error message: the fix if the engine does not load."""
+        """Return the fix for an engine that does not load, as text for an error message."""
         ...
 
     @property
     def is_optional(self) -> bool:
-        """True if the suite's studies skip the engine when it is not installed."""
+        """Return whether the suite's studies skip the engine if its package is missing."""
         ...
 
     def version(self) -> str:
@@ -55,14 +55,14 @@ class Entry:
 
     @property
     def remedy(self) -> str:
-        """Text for an error message: the fix if the engine does not load."""
+        """Return the fix for an engine that does not load, as text for an error message."""
         return _install_engines(self.package)
 
     def version(self) -> str:
         """Return the version of the package.
 
         Raises:
-            PackageNotFoundError: if the package is not installed.
+            PackageNotFoundError: if the package is missing.
         """
         return importlib.metadata.version(self.package)
 
@@ -70,7 +70,7 @@ class Entry:
         """Return the class of the adapter.
 
         Raises:
-            ImportError: if the package is not installed.
+            ImportError: if the package is missing.
         """
         return getattr(importlib.import_module(self.module), self.simulation)
 
@@ -80,7 +80,7 @@ _WASM_LOCK = Path(__file__).parent / "wasm" / "package-lock.json"
 
 @dataclass(frozen=True, slots=True)
 class WasmEntry:
-    """An engine that runs in Node. Its adapter can be loaded without Node."""
+    """An engine that runs in Node. The adapter loads without Node."""
 
     module: str
     simulation: str
@@ -90,7 +90,7 @@ class WasmEntry:
 
     @property
     def remedy(self) -> str:
-        """Text for an error message: the fix if the engine opens no world."""
+        """Return the fix for an engine that opens no world, as text for an error message."""
         return "install it with: uv run --group wasm -m adapters.wasm"
 
     def version(self) -> str:
@@ -105,7 +105,7 @@ class WasmEntry:
 
 @dataclass(frozen=True, slots=True)
 class LibraryEntry:
-    """An engine in a shared library, which several packages provide. The adapter can be loaded without the library."""
+    """An engine in a shared library, which several packages provide. The adapter loads without the library."""
 
     module: str
     simulation: str
@@ -119,14 +119,14 @@ class LibraryEntry:
 
     @property
     def remedy(self) -> str:
-        """Text for an error message: the fix if the engine opens no world."""
+        """Return the fix for an engine that opens no world, as text for an error message."""
         return f"install it with: uv sync --group {self.group}"
 
     def version(self) -> str:
         """Return the version of the library in use.
 
         Raises:
-            ImportError: if there is no library.
+            ImportError: if the library is missing.
         """
         return str(importlib.import_module(self.library).VERSION)
 
@@ -149,14 +149,14 @@ class ReferenceEntry:
 
     @property
     def remedy(self) -> str:
-        """Text for an error message: the fix if the engine does not load."""
+        """Return the fix for an engine that does not load, as text for an error message."""
         return _install_engines(self.package)
 
     def version(self) -> str:
         """Return the revision, and the version of the package.
 
         Raises:
-            PackageNotFoundError: if the package is not installed.
+            PackageNotFoundError: if the package is missing.
         """
         solver = f" ({self.package} {importlib.metadata.version(self.package)})" if self.package else ""
         return f"{self.revision}{solver}"
@@ -165,7 +165,7 @@ class ReferenceEntry:
         """Return the class of the adapter.
 
         Raises:
-            ImportError: if the package is not installed.
+            ImportError: if the package is missing.
         """
         return getattr(importlib.import_module(self.module), self.simulation)
 
@@ -191,6 +191,6 @@ def engine_version(engine: str) -> str:
 
     Raises:
         UnknownNameError: if no engine has this name.
-        PackageNotFoundError: if the engine's package is not installed.
+        PackageNotFoundError: if the package of the engine is missing.
     """
     return look_up("engine", engine, ENGINES).version()

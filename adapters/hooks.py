@@ -1,4 +1,4 @@
-"""The hooks that an adapter implements. The port, the base class and the substep loop access an engine by hooks only.
+"""The hooks that an adapter implements. The port, the base class and the substep loop use an engine by hooks only.
 
 For every hook:
 
@@ -91,7 +91,7 @@ class EngineHooks(ABC):
 
     @abstractmethod
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
-        """Set the pose of a live, frozen or moved body, and stop the body. A frozen body stays frozen."""
+        """Set the pose of a live, frozen or moved body, and stop the body; a frozen body stays frozen."""
 
     # -- actions -----------------------------------------------------------------------------------
 
@@ -115,7 +115,7 @@ class EngineHooks(ABC):
 
     @abstractmethod
     def _set_gravity(self, gravity: Vector) -> None:
-        """Set gravity [m/s2] from the next step on, also for bodies that are unfrozen later.
+        """Set gravity [m/s2] from the next step on, also for bodies that become live later.
 
         The call may come at any time between steps. During the call ``world`` still has the former gravity.
         """
@@ -129,8 +129,8 @@ class EngineHooks(ABC):
     def _solver_iterations(self) -> int | None:
         """Return the greatest number of solver iterations of any island in the latest engine step; None if unknown.
 
-        The call comes after a step. Override this hook for an engine that reports its iterations; many engines run a
-        fixed number.
+        The call comes after a step. Override this hook for an engine that reports its iterations. Many engines run
+        a fixed number of iterations.
         """
         return None
 
@@ -174,10 +174,9 @@ class EngineHooks(ABC):
     def _contacts(self) -> Contacts:
         """Return every contact of the latest step that touches a live body and no removed body.
 
-        The call comes between steps while a body is live, also before the first step and after bodies were frozen,
-        unfrozen, moved or removed. Normals point from a to b. The id of the ground is ``GROUND``, and the id of a
-        fixed box is ``contact_completion.fixed_id``. Unknown values are NaN. The arrays may be views until the next
-        step.
+        The call comes between steps while a body is live, also before the first step, and after a freeze, an unfreeze,
+        a move or a removal. Normals point from a to b. The id of the ground is ``GROUND``, and the id of a fixed box is
+        ``contact_completion.fixed_id``. Unknown values are NaN. The arrays may be views until the next step.
         """
 
     @abstractmethod
@@ -192,7 +191,7 @@ class EngineHooks(ABC):
 
     @abstractmethod
     def _close(self) -> None:
-        """Free the engine's memory. This is the last call of a hook."""
+        """Free the engine's memory. No hook follows this call."""
 
     # -- for adapters and the port -----------------------------------------------------------------
 

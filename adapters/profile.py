@@ -10,7 +10,7 @@ from typing import Literal, TypeAlias
 from scenarios.model import Brick
 
 PLANK_SIZE = math.hypot(117.0e-3, 23.4e-3, 7.8e-3)
-"""Diagonal [m] of the plank for which the profiles' lengths were chosen."""
+"""Diagonal [m] of the plank that determines the profiles' lengths."""
 MAX_SMALL_SIZE = 0.25
 """Greatest ratio of the largest brick's diagonal to a plank's diagonal at which a profile's lengths shrink with the
 bricks. At greater ratios the lengths keep their values for a plank."""
@@ -64,7 +64,7 @@ class Profile:
 
     @property
     def values(self) -> dict[str, KnobValue]:
-        """The values of the knobs, by their names."""
+        """Return the values of the knobs, by their names."""
         return {name: knob.value for name, knob in self.knobs.items()}
 
     def with_knobs(self, knobs: Mapping[str, Knob]) -> Profile:
@@ -72,7 +72,7 @@ class Profile:
         return replace(self, knobs={**self.knobs, **knobs})
 
     def with_lengths_times(self, factor: float) -> Profile:
-        """Return the profile; multiply every length that follows the world by ``factor``."""
+        """Return the profile with ``factor`` times every length that follows the world."""
         lengths = {name: knob for name, knob in self.knobs.items() if knob.follows_world}
         return self.with_knobs(
             {name: replace(knob, value=float(knob.value) * factor) for name, knob in lengths.items()}
@@ -87,10 +87,10 @@ class Profile:
 
 @dataclass(frozen=True, slots=True)
 class Capabilities:
-    """Data that an engine's API provides, described by the adapter; the source of the table Engine capabilities.
+    """The adapter's description of the data that an engine's API provides: source of the table Engine capabilities.
 
     The conformance checks measure ``near_contacts``, ``separation``, ``forces``, ``ridge_normal``, ``planar`` and, in
-    one process, ``deterministic``. The other fields describe mechanisms; the checks measure the effects of these
+    one process, ``deterministic``. All other fields describe mechanisms, and the checks measure the effects of these
     mechanisms.
     """
 
@@ -137,7 +137,7 @@ class Capabilities:
 
 @dataclass(frozen=True, slots=True)
 class EngineInfo:
-    """Identity of an engine, recorded with every trial."""
+    """Identity of an engine; every trial records this identity."""
 
     engine: str
     version: str
@@ -147,5 +147,5 @@ class EngineInfo:
 
     @property
     def frame_s(self) -> float:
-        """Length of a frame [s]."""
+        """Return the length of a frame [s]."""
         return self.profile.frame_s

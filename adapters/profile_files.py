@@ -5,7 +5,7 @@ A file has up to three tables::
     [shared.SET]             # knobs that several profiles have in common
     KNOB = { value = 0.85, reason = "why the value differs from the shipped value, with a measurement" }
 
-    [profiles.NAME]          # default, game, tuned, and any other
+    [profiles.NAME]          # default, game, tuned, or another name
     description = "in a few words"
     substeps = 4             # engine steps per frame
     frame_s = 0.02           # length of a frame [s]; 1/60 by default
@@ -14,7 +14,7 @@ A file has up to three tables::
     shared = ["SET"]
     knobs.KNOB = { value = 60, reason = "...", follows_world = true }
 
-    [sleeping.off]           # knobs added in a mode of the engine's own sleeping: off, native or raised
+    [sleeping.off]           # more knobs for a mode of the engine's own sleeping: off, native or raised
     KNOB = { value = false, reason = "..." }
 """
 
@@ -71,7 +71,7 @@ def load_settings(
             leaves these knobs out of the profiles.
 
     Raises:
-        ProfileFileError: if the file is missing, or an entry in it is invalid.
+        ProfileFileError: if the file is missing, or an entry of the file is invalid.
     """
     path = folder / f"{engine}.toml"
     try:

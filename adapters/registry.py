@@ -16,7 +16,7 @@ from scenarios.model import Brick, World
 
 
 class EngineNotInstalledError(ImportError):
-    """Error for an engine whose package is not installed; the message names the command that installs it."""
+    """Error for an engine whose package is missing; the message names the command that installs the package."""
 
 
 def _load(name: str) -> type[Simulation]:
@@ -43,7 +43,7 @@ def _not_installed(name: str, error: Exception) -> EngineNotInstalledError:
 
 
 def _installed(name: str) -> type[Simulation]:
-    """Return the class of an engine, after a check that its worlds can be opened."""
+    """Return the class of an engine, after a check that the engine opens worlds."""
     simulation = _load(name)
     try:
         simulation.check_installed()
@@ -53,7 +53,7 @@ def _installed(name: str) -> type[Simulation]:
 
 
 def check_installed(name: str) -> None:
-    """Raise ``EngineNotInstalledError`` unless a world of the engine can be opened on this machine."""
+    """Raise ``EngineNotInstalledError`` unless the engine opens worlds on this machine."""
     _installed(name)
 
 
@@ -68,7 +68,7 @@ def profiles(name: str) -> Mapping[str, Profile]:
 
 
 def missing_knobs(name: str) -> list[str]:
-    """Return the knobs that the profiles omit, because the installed release of engine ``name`` lacks them; sorted."""
+    """Return the sorted knobs that the profiles omit, because the installed release of engine ``name`` lacks them."""
     return sorted(_load(name).missing_knobs)
 
 
@@ -78,7 +78,7 @@ def profile_named(engine: str, name: str) -> Profile:
     Raises:
         UnknownNameError: if no engine, or no profile of the engine, has this name.
         ProfileError: if a variation is invalid.
-        EngineNotInstalledError: if the engine's adapter cannot be loaded, because its package is not installed.
+        EngineNotInstalledError: if the engine's package is missing, so that the adapter does not load.
     """
     return profile_of(_load(engine), name)
 
@@ -96,7 +96,7 @@ def open_engine(
     Raises:
         UnknownNameError: if no engine, or no profile of the engine, has this name.
         ProfileError: if a variation of the profile is invalid.
-        EngineNotInstalledError: if the engine's package is not installed.
+        EngineNotInstalledError: if the engine's package is missing.
     """
     simulation = _installed(name)
     chosen = profile_of(simulation, profile)

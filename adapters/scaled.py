@@ -1,14 +1,14 @@
 """A simulation whose engine runs a world larger than the scene, because many engines suit bodies of a metre.
 
 The profile's scale multiplies all lengths, velocities, impulses and forces, and gravity. Times, masses, angles and
-friction do not change. Therefore the motion is the same, multiplied by the scale. This is the recipe of Bullet's wiki
-("Scaling The World"), which does not change masses. The engine's absolute constants (slops, margins, tolerances and
-speed thresholds) keep their values in the engine's units, so that their ratio to the bricks changes. Only two kinds of
-length grow with the bricks: lengths of a profile chosen for the bricks' size (``Knob.follows_world``), and an adapter's
-own lengths (``Simulation.scale``).
+friction do not change. Therefore the motion is the same, multiplied by the scale. This scaling is the recipe of
+Bullet's wiki ("Scaling The World"), which does not change masses. The engine's absolute constants (slops, margins,
+tolerances and speed thresholds) keep their values in the engine's units, so that their ratio to the bricks changes. Two
+kinds of length grow with the bricks: a profile's lengths for the bricks' size (``Knob.follows_world``), and an
+adapter's own lengths (``Simulation.scale``).
 
-A profile's offset moves the scene along x, with the ground below it, as in a large level of a game. Engines in single
-precision resolve positions less far from the origin (steps of 7.6 um at 100 m).
+A profile's offset moves the scene along x, with the ground below it, as in a large level of a game. Far from the
+origin, engines in single precision resolve positions coarsely (in steps of 7.6 um at 100 m).
 
 The host and the port see SI units of the scene. The port adds missing corners in these units.
 """
@@ -44,7 +44,7 @@ class _ScaledSimulation(Simulation):
 
     @property
     def port(self) -> EnginePort:
-        """The core's view of the scene.
+        """Return the core's view of the scene.
 
         The property also opens the engine's own port, so that the engine records contact data.
         """

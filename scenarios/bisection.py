@@ -1,9 +1,9 @@
-"""Find a threshold by bisection: the value of a parameter at which a scene's outcome changes.
+"""Search for a threshold, the value of a parameter at which a scene's outcome changes, by bisection.
 
 The search tries both ends of the parameter's interval first. If the outcomes at both ends agree, or a tried value has
 no outcome, the search reports why there is no threshold. Otherwise the search halves the bracket, the interval that
-contains the threshold. The search ends when the bracket is no wider than the tolerance. ``Bisection`` keeps no state,
-so that a caller can resume a search: each step follows from the answers so far.
+contains the threshold. The search ends when the bracket is no wider than the tolerance. ``Bisection`` keeps no state:
+each step follows from the answers so far. Therefore a caller can resume a search.
 """
 
 from __future__ import annotations
@@ -34,17 +34,17 @@ class Bracket(NamedTuple):
 
     @property
     def is_found(self) -> bool:
-        """True if the search has ended with a threshold."""
+        """Return whether the search has ended with a threshold."""
         return not self.next and not self.why
 
     @property
     def middle(self) -> float:
-        """The middle of the bracket."""
+        """Return the middle of the bracket."""
         return (self.low + self.high) / 2
 
     @property
     def half_width(self) -> float:
-        """Half the width of the bracket: the uncertainty of its middle."""
+        """Return half the width of the bracket, which is the uncertainty of the bracket's middle."""
         return (self.high - self.low) / 2
 
 
@@ -59,14 +59,15 @@ class Bisection:
 
     @property
     def most_tries(self) -> int:
-        """Greatest number of tried values, both ends included."""
+        """Return the greatest number of tried values, both ends included."""
         return 2 + max(0, math.ceil(math.log2((self.high - self.low) / self.tolerance) - 1e-9))
 
     def bracket(self, answers: Mapping[float, bool | None]) -> Bracket:
         """Return the bracket that follows from the answers so far.
 
         Args:
-            answers: by tried value: True if the scene stood, False if the scene fell, None if the trial has no answer.
+            answers: answer for each tried value: True if the scene stood, False if the scene fell, None if the trial
+            has no answer.
         """
         low, high = self.low, self.high
         missing = tuple(value for value in (low, high) if value not in answers)
@@ -90,7 +91,7 @@ class Bisection:
         return Bracket(low, high, (), "", stands)
 
     def search(self, stands: Callable[[float], bool]) -> Bracket:
-        """Call ``stands`` with each value to try until the search has ended; return the final bracket."""
+        """Call ``stands`` with one value after another until the search ends; return the final bracket."""
         answers: dict[float, bool | None] = {}
         while (bracket := self.bracket(answers)).next:
             answers |= {value: stands(value) for value in bracket.next}

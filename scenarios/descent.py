@@ -1,4 +1,4 @@
-"""Straight descent of one convex body onto another, exact for every shape.
+"""Straight descent of a convex body onto another convex body, with the exact shapes of both.
 
 A point a of the upper body lies straight above a point b of the lower body if a - b = (0, 0, h). The upper body can
 sink by the smallest h of all pairs of points. All differences a - b fill a convex set D. The farthest point of D along
@@ -8,9 +8,9 @@ z axis enters D from below:
 1. The distance algorithm of Gilbert, Johnson and Keerthi, in two dimensions, finds a triangle of points of D around the
    z axis, seen from above. If the algorithm finds no triangle, D lies beside the axis, and no part of one body is above
    the other body.
-2. Portal refinement lowers the triangle until no point of D lies below the triangle's plane: the point of D that is
-   farthest below the plane replaces a corner. The refinement chooses the corner so that the triangle stays around the
-   axis.
+2. Portal refinement lowers the triangle until no point of D lies below the triangle's plane. In each step the point of
+   D that is farthest below the plane replaces a corner of the triangle. The refinement chooses the corner so that the
+   triangle stays around the axis.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Placed:
 
     shape: Shape
     size: Point
-    """Edge lengths [m] of the smallest box along the own axes."""
+    """Edge lengths [m] of the smallest box along its own axes."""
     center: FloatArray
     """Centre of mass [m], shape (3,)."""
     turn: FloatArray
@@ -117,7 +117,7 @@ def _is_flush(points: list[FloatArray], support: SupportOf) -> bool:
 
 
 def _aside(points: list[FloatArray]) -> FloatArray:
-    """Return the horizontal direction (2,) across a segment that meets the axis; x for a single point."""
+    """Return the horizontal direction (2,) across a segment that meets the axis; the x axis for a single point."""
     if len(points) == 1:
         return np.array([1.0, 0.0])
     x, y = (points[1] - points[0])[:2].tolist()

@@ -6,7 +6,7 @@ Reports show the success rate of each division, because a tuned profile may be c
 from __future__ import annotations
 
 TUNED_ON = ("four_stack", "card_house", "leaning_tower", "plank_tower")
-"""Names of the scenarios on which a profile of some engine was tuned. The key ``tuned_by`` of the profiles in
+"""Names of the scenarios on which maintainers tuned a profile of an engine. The key ``tuned_by`` of the profiles in
 ``adapters/profiles`` describes these scenarios in words: "inverted V" means ``card_house`` with one storey, and
 "columns and ladders of planks" means ``plank_tower`` and ``four_stack``."""
 

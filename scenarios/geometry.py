@@ -3,11 +3,11 @@
 Bodies of other shapes count with their exact shape (see ``scenarios.descent``). For boxes:
 
 A point a of the upper box lies straight above a point b of the lower box if a - b = (0, 0, h). The upper box can sink
-by the smallest h of all pairs of points. All differences a - b fill a zonotope: the difference of the centres plus the
-six half axes of both boxes, each times a factor from -1 to 1. The normals of the zonotope's facets are the cross
-products of two half axes (a face on a corner, or an edge on an edge). The smallest h is the height at which the z axis
-enters the zonotope from below. The axis enters at the highest of its intersections with the planes of the fifteen lower
-facets.
+by the smallest h of all pairs of points. All differences a - b fill a zonotope (a convex polyhedron). A point of the
+zonotope is the difference of the centres plus the six half axes of both boxes, each times a factor from -1 to 1. The
+normals of the zonotope's facets are the cross products of two half axes (a face on a corner, or an edge on an edge).
+The smallest h is the height at which the z axis enters the zonotope from below. The axis enters at the highest of its
+intersections with the planes of the fifteen lower facets.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class Boxes:
     ) -> Boxes:
         """Return boxes from edge lengths (n, 3) [m], centres (n, 3) [m] and unit quaternions (n, 4) as (w, x, y, z).
 
-        ``shapes`` are the shapes of the n bodies; None if all are boxes.
+        ``shapes`` contains the shapes of the n bodies; None if all bodies are boxes.
         """
         edges = np.asarray(sizes, np.float64).reshape(-1, 3)
         center = np.asarray(positions, np.float64).reshape(-1, 3)
@@ -92,20 +92,20 @@ class Boxes:
 
     @property
     def corners(self) -> FloatArray:
-        """All corners [m], shape (n, 8, 3)."""
+        """Return all corners [m], shape (n, 8, 3)."""
         from_center: FloatArray = np.einsum("ck,nkd->ncd", _SIGNS, self.half_axes)
         return self.center[:, None, :] + from_center
 
     @property
     def gyration(self) -> FloatArray:
-        """Inertia over mass of homogeneous boxes about their centres [m2], shape (n, 3, 3)."""
+        """Return the inertia over the mass [m2] of homogeneous boxes about their centres, shape (n, 3, 3)."""
         moments = np.einsum("nki,nkj->nij", self.half_axes, self.half_axes) / 3
         gyration: FloatArray = np.einsum("nkk->n", moments)[:, None, None] * np.eye(3) - moments
         return gyration
 
     @property
     def reach(self) -> FloatArray:
-        """Half the edge lengths [m] of the axis-aligned bounding boxes, shape (n, 3)."""
+        """Return half the edge lengths [m] of the axis-aligned bounding boxes, shape (n, 3)."""
         reach: FloatArray = np.abs(self.half_axes).sum(axis=1)
         return reach
 
@@ -133,7 +133,7 @@ def vertical_clearance(upper: Boxes, lower: Boxes) -> FloatArray:
     """Return the distance [m] by which each upper box can sink straight down to each lower box, shape (m, n).
 
     The distance is infinite if the boxes do not overlap in plan (seen from above). The distance is negative if the
-    upper box must rise to come free.
+    upper box must rise to leave the lower box.
     """
     clearance = np.full((len(upper), len(lower)), np.inf)
     apart = np.abs(upper.center[:, None, :2] - lower.center[None, :, :2])
@@ -149,7 +149,7 @@ def vertical_clearance(upper: Boxes, lower: Boxes) -> FloatArray:
 
 
 def _measure_other_shapes(clearance: FloatArray, upper: Boxes, lower: Boxes, above: IntArray, below: IntArray) -> None:
-    """Write the clearance [m] of each pair (above, below) with another shape than two boxes to ``clearance`` (m, n)."""
+    """Write the clearance [m] of each pair (above, below) of bodies that are not two boxes to ``clearance`` (m, n)."""
     first, second = _placed(upper), _placed(lower)
     for one, other in zip(above.tolist(), below.tolist(), strict=True):
         if not (first[one].shape == second[other].shape == "box"):
@@ -210,10 +210,11 @@ def resting_shift(
 
 
 def room_above_fixed(group: Boxes, fixed: Boxes) -> float:
-    """Return the distance [m] by which a rigid group can sink to a fixed box below it; infinite without such a box.
+    """Return the distance [m] by which a rigid group can sink to the fixed boxes below; infinite if none is below.
 
-    A fixed box counts as a ceiling if a box of the group must rise by at least half its own height to come free of it.
-    A smaller overlap does not count, because placement noise on a slope makes boxes overlap by up to 1 mm.
+    To leave a fixed box, a box of the group may have to rise. If this rise is at least half the height of the group's
+    box, the fixed box counts as a ceiling. A smaller rise does not count, because placement noise on a slope makes
+    boxes overlap by up to 1 mm.
     """
     clearance = vertical_clearance(group, fixed)
     is_above = clearance > -group.reach[:, None, 2]

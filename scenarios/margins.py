@@ -1,9 +1,9 @@
 """Margins: the distance of a scene from its limit of stability, and the outcome that theory gives at this distance.
 
-The margin is the distance of the deciding quantity (a load, an offset, a coefficient of friction) from its limit, as a
-share of the limit. A positive margin lies on the safe side, a negative margin beyond the limit. Scenes within 5 % of a
-limit have no known answer, because a real drop has energy that statics ignores. Stacks that could tip have large
-bricks, so that the energy of placing a brick does not tip the stack.
+The deciding quantity is a load, an offset or a coefficient of friction. The margin is the distance of this quantity
+from its limit, as a share of the limit. A positive margin lies on the safe side, a negative margin beyond the limit.
+Scenes within 5 % of a limit have no known answer, because a real drop has energy that statics ignores. Stacks that
+could tip have large bricks, so that the energy of placing a brick does not tip the stack.
 """
 
 from __future__ import annotations

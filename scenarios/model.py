@@ -74,7 +74,7 @@ class Place:
     """Action that releases bricks together, as one rigid group, a little above their actual support.
 
     The group keeps its planned x, y, orientation and relative heights. The harness shifts the group along z until the
-    least gap between a brick of the group and the actual body below this brick is ``height``.
+    least gap between the group and the actual bodies below is ``height`` [m].
     """
 
     time: float
@@ -124,7 +124,7 @@ class Pull:
 
     @property
     def until(self) -> float:
-        """End of the action [s], from the start of the trial."""
+        """Return the end of the action [s], from the start of the trial."""
         return self.time + self.seconds
 
 
@@ -142,7 +142,7 @@ class Press:
 
     @property
     def until(self) -> float:
-        """End of the action [s], from the start of the trial."""
+        """Return the end of the action [s], from the start of the trial."""
         return self.time + self.seconds
 
 
@@ -150,13 +150,14 @@ class Press:
 class Tilt:
     """Action that turns gravity about a horizontal axis, as if the ground tilted.
 
-    Every frame turns gravity by one step; after ``seconds`` gravity has turned by ``speed`` times ``seconds``.
+    Every frame turns gravity by one step. After ``seconds`` [s] gravity has turned by ``speed`` [deg/s] times
+    ``seconds``.
     """
 
     time: float
     axis: tuple[float, float]
     """Direction of the axis in x and y, by the right-hand rule for the tilted ground: about (0, 1) the +x end of the
-    ground goes down, so gravity turns from -z towards +x."""
+    ground goes down, and gravity turns from -z towards +x."""
     speed: float
     """Angular speed [deg/s]."""
     seconds: float
@@ -164,13 +165,13 @@ class Tilt:
 
     @property
     def until(self) -> float:
-        """End of the action [s], from the start of the trial."""
+        """Return the end of the action [s], from the start of the trial."""
         return self.time + self.seconds
 
 
 @dataclass(frozen=True, slots=True)
 class Drive:
-    """Action that accelerates a moved brick to a velocity, which the brick keeps until the next ``Drive``."""
+    """Action that accelerates a moved brick to a velocity; the brick keeps this velocity until the next ``Drive``."""
 
     time: float
     brick: int
@@ -188,7 +189,7 @@ class Drive:
 
     @property
     def until(self) -> float:
-        """Time [s] at which the brick has reached the velocity, from the start of the trial."""
+        """Return the time [s], from the start of the trial, at which the brick has reached the velocity."""
         return self.time + self.seconds
 
 
@@ -219,7 +220,7 @@ class Expectation:
     level: int | None = None
     """Level at which the scene must fall; None unless ``outcome`` is "fall"."""
     not_before_s: float = 0.0
-    """Earliest time [s] of the fall, because a scene from which a brick is removed must stand until then."""
+    """Earliest time [s] of the fall, because a scene must stand until the removal of a brick."""
     within_s: float | None = None
     """Time [s] after ``not_before_s`` within which the scene must fall; a later fall counts as standing. None for no
     limit."""
@@ -272,12 +273,12 @@ class Scene:
 
     @property
     def pace(self) -> float:
-        """Factor on all times: see ``pace_of``."""
+        """Return the factor on all times: see ``pace_of``."""
         return pace_of(self.size)
 
     @property
     def done_s(self) -> float:
-        """Time [s] at which the last action ends."""
+        """Return the time [s] at which the last action ends."""
         return max(
             action.until if isinstance(action, Pull | Press | Tilt | Drive) else action.time for action in self.actions
         )

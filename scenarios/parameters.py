@@ -1,8 +1,8 @@
 """Parameters of scenes: their ranges, and the id of the variant with given values.
 
 A builder is a function that plans a scene. The builder annotates each parameter with its range, as in ``courses:
-Annotated[int, Whole(1, 200)] = 8``. The decorator ``scenarios.scenario.scenario`` turns the builder into a scenario,
-which checks every value before the builder runs.
+Annotated[int, Whole(1, 200)] = 8``. The decorator ``scenarios.scenario.scenario`` turns the builder into a scenario.
+The scenario checks every value before the builder runs.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ Value: TypeAlias = float | int | str
 
 
 class Range(Protocol):
-    """The allowed values of a parameter. ``str`` of a range gives its text for users."""
+    """The allowed values of a parameter. ``str`` of a range returns the range as text for users."""
 
     def check(self, name: str, value: object) -> Value:
         """Return ``value``, converted to the parameter's type.
@@ -69,7 +69,7 @@ class Real:
 
 
 class Choice:
-    """Allowed words."""
+    """A choice among allowed words."""
 
     __slots__ = ("words",)
 

@@ -1,7 +1,7 @@
 """Placement noise: seed 0 is exact, every other seed perturbs each pose.
 
-A draw has three normal deviates, for x, y and yaw, cut at three standard deviations. The standard deviation is 0.3 mm
-in x and in y, times the scene's ``size``, and 0.3 deg in yaw. A draw depends only on
+A draw has three normal deviates, for x, y and yaw (turn about z), cut at three standard deviations. The standard
+deviation is 0.3 mm in x and in y, times the scene's ``size``, and 0.3 deg in yaw. A draw depends only on
 
 - the scene's variant,
 - the seed,
@@ -11,11 +11,11 @@ in x and in y, times the scene's ``size``, and 0.3 deg in yaw. A draw depends on
 The module computes each draw from a hash through the inverse of the normal distribution, so that every machine draws
 the same numbers.
 
-If a draw pushes a brick into a neighbour or a fixed box, the module draws again. Therefore noise can only open the
-joint between neighbours that touch, and only seed 0 closes this joint exactly. In a row of touching bricks the shifts
-add up, and a brick may need more than three standard deviations to find room. Therefore the standard deviation of the
-shift grows with the number of draws. A brick that fits exactly between two fixed walls has no room for noise: every
-seed except 0 raises ``NoRoomError``.
+If a draw pushes a brick into a neighbour or a fixed box, the module draws again. Therefore noise opens the joint
+between neighbours that touch, and seed 0 alone closes this joint exactly. In a row of touching bricks the shifts add
+up, and a brick may need more than three standard deviations to find room. Therefore the standard deviation of the shift
+grows with the number of draws. A brick that fits exactly between two fixed walls has no room for noise: every seed
+except 0 raises ``NoRoomError``.
 """
 
 from __future__ import annotations

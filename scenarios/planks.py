@@ -42,14 +42,14 @@ def lay(
     length: float = LENGTH,
     thickness: float = THICKNESS,
 ) -> Brick:
-    """Return a plank that lies flat, turned about z by ``yaw``.
+    """Return a plank that lies flat, turned about z by ``yaw`` [rad].
 
     Args:
         x: centre along x [m].
         y: centre along y [m].
         level: level of the brick, from 1.
         yaw: angle [rad] from the x axis to the plank's length.
-        bottom: height of the lower face [m]; by default as in a stack of flat planks.
+        bottom: height of the lower face [m]; by default the height in a stack of flat planks.
         length: length [m]; the mass is in proportion.
         thickness: thickness [m]; the mass is in proportion.
     """
@@ -121,5 +121,5 @@ def box(
 
 
 def one_a_second(groups: Iterable[Sequence[Brick]]) -> tuple[Place, ...]:
-    """Return actions that place one group of bricks each second from time 0, as the paper does."""
+    """Return actions that place one group of bricks each second from time 0, like the paper's scenes."""
     return tuple(Place(float(second), tuple(group)) for second, group in enumerate(groups))

@@ -1,4 +1,4 @@
-"""Convex polyhedra: hull, faces, volume and inertia by trimesh, and the own frame of a polyhedron.
+"""Convex polyhedra: hull, faces, volume and inertia by trimesh, and a polyhedron's own frame.
 
 Import this module only for a polyhedron, because trimesh takes a second to import.
 """
@@ -17,7 +17,7 @@ from scipy.spatial import QhullError
 from scenarios.shapes import FloatArray, Polyhedron
 
 FLATNESS = 1e-3
-"""Least ratio of a polyhedron's thickness to its extent, because a thinner one is an error in units or a flat face."""
+"""Least ratio of a polyhedron's thickness to its extent, because a thinner body is an error in units or a flat face."""
 MOST_VERTICES = 255
 """Greatest number of vertices, because PhysX accepts no more."""
 CENTRED = 1e-9
@@ -123,7 +123,7 @@ def check_polyhedron(polyhedron: Polyhedron) -> None:
     if not (is_centred and products <= CENTRED * np.diag(properties.gyration).max()):
         raise ValueError(
             "vertices must be relative to the centre of mass, along principal axes of inertia: make the body with "
-            "scenarios.solids.polyhedron, which finds both"
+            "scenarios.solids.polyhedron, which finds the centre and the axes"
         )
 
 
@@ -194,7 +194,7 @@ def _nearest_principal_axes(inertia: FloatArray) -> FloatArray:
 
 
 def _equal_moments(moments: FloatArray) -> list[list[int]]:
-    """Return the indices of the rising ``moments`` in groups of equal moments."""
+    """Return groups of indices of equal moments; ``moments`` are in rising order."""
     groups = [[0]]
     for index in (1, 2):
         if moments[index] - moments[index - 1] <= EQUAL_MOMENTS * moments[2]:

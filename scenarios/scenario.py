@@ -59,27 +59,27 @@ class Scenario(Generic[P]):
     """Ranges that the builder declares, by the names of their parameters. The builder itself checks parameters without
     a range."""
     is_static: bool = True
-    """True if the scenario has the parameters ``built`` and ``size``, which prebuild and resize its scenes, because
-    bricks are only placed and removed, not poured, pushed or dropped."""
+    """True if the scenario has the parameters ``built`` and ``size``, which prebuild and resize its scenes. The scenes
+    of this kind only place and remove bricks, and do not pour, push or drop bricks."""
 
     @property
     def name(self) -> str:
-        """The id of the scenario."""
+        """Return the id of the scenario."""
         return self.builder.__name__
 
     @property
     def description(self) -> str:
-        """The description of the scene, in one line."""
+        """Return the description of the scene, in one line."""
         return (inspect.getdoc(self.builder) or "").partition("\n")[0]
 
     @property
     def parameters(self) -> Mapping[str, Value]:
-        """Defaults of all parameters, by name."""
+        """Return the defaults of all parameters, by name."""
         return {**self.defaults, **{name: default for name, (default, _) in self._shared().items()}}
 
     @property
     def ranges(self) -> Mapping[str, Range]:
-        """Ranges of all parameters that have a range, by name."""
+        """Return the ranges of all parameters that have a range, by name."""
         return {**self.declared, **{name: allowed for name, (_, allowed) in self._shared().items()}}
 
     def variant(self, parameters: Mapping[str, Value]) -> str:

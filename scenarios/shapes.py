@@ -11,7 +11,7 @@ body is the edge lengths of the smallest box along these axes that holds the bod
 
 ``size`` describes every shape completely, except a polyhedron.
 
-``scenarios.solids`` makes bodies of these shapes, and ``scenarios.polyhedra`` finds the own frame of a polyhedron.
+``scenarios.solids`` makes bodies of these shapes, and ``scenarios.polyhedra`` finds a polyhedron's own frame.
 """
 
 from __future__ import annotations
@@ -42,14 +42,14 @@ class Polyhedron:
 
     @cached_property
     def array(self) -> FloatArray:
-        """The vertices [m], shape (n, 3); read-only."""
+        """Return the vertices [m], shape (n, 3), as a read-only array."""
         array = np.array(self.vertices, np.float64).reshape(-1, 3)
         array.flags.writeable = False
         return array
 
     @cached_property
     def extents(self) -> Point:
-        """Edge lengths [m] of the smallest box along the own axes that holds all vertices."""
+        """Return the edge lengths [m] of the smallest box along its own axes that holds all vertices."""
         x, y, z = np.ptp(self.array, axis=0).tolist()
         return x, y, z
 
@@ -88,12 +88,12 @@ def reach(shape: Shape, size: Point) -> float:
 
 
 def support_points(shape: Shape, size: Point, directions: FloatArray) -> FloatArray:
-    """Return a farthest point [m] of the shape along each direction, shape (n, 3), in the own frame.
+    """Return a farthest point [m] of the shape along each direction, shape (n, 3), in the shape's own frame.
 
     Args:
         shape: the shape.
-        size: edge lengths [m] of the smallest box along the own axes.
-        directions: vectors of any length above 0, shape (n, 3), in the own frame.
+        size: edge lengths [m] of the smallest box along its own axes.
+        directions: vectors of any length above 0, shape (n, 3), in the shape's own frame.
     """
     if isinstance(shape, Polyhedron):
         farthest: FloatArray = shape.array[(directions @ shape.array.T).argmax(axis=1)]
@@ -143,8 +143,8 @@ def gyration(shape: SimpleShape, size: Point) -> Point:
 def _gyration_of_capsule(radius: float, length: float) -> Point:
     """Return the moments over the mass [m2] of a cylinder of ``length`` [m] with a half sphere at each end.
 
-    The centre of mass of a half sphere of radius r lies 3 r / 8 from the flat face. With the length l, and the shares c
-    of the cylinder and s of both half spheres in the mass, the moments over the mass are
+    The centre of mass of a half sphere of radius r lies 3 r / 8 from the flat face. The length is l. The cylinder has
+    the share c of the mass, and both half spheres together have the share s. The moments over the mass are
 
         along the axis: c r^2 / 2 + s 2 r^2 / 5
         across:         c (r^2 / 4 + l^2 / 12) + s (2 r^2 / 5 + l^2 / 4 + 3 l r / 8).

@@ -60,7 +60,10 @@ def capsule(
     density: float | None = None,
     level: int = 1,
 ) -> Brick:
-    """Return a capsule with its axis along its own z: see ``cylinder``. The ``length`` [m] excludes both caps."""
+    """Return a capsule with its axis along its own z; ``length`` [m] excludes both caps.
+
+    ``cylinder`` describes all other arguments and the errors.
+    """
     return _made("capsule", (2 * radius, 2 * radius, length + 2 * radius), position, quaternion, mass, density, level)
 
 
@@ -73,7 +76,7 @@ def sphere(
     density: float | None = None,
     level: int = 1,
 ) -> Brick:
-    """Return a sphere: see ``cylinder``."""
+    """Return a sphere; ``cylinder`` describes the arguments and the errors."""
     return _made("sphere", (2 * radius, 2 * radius, 2 * radius), position, quaternion, mass, density, level)
 
 
@@ -86,12 +89,12 @@ def polyhedron(
     density: float | None = None,
     level: int = 1,
 ) -> Brick:
-    """Return the convex hull of points; the brick's own frame is at the centre of mass, along principal axes.
+    """Return the convex hull of points as a brick, with its own frame at the centre of mass, along principal axes.
 
     Args:
         points: points [m] in any frame, shape (n, 3).
-        position: origin of that frame [m], which need not be the centre of mass.
-        quaternion: orientation (w, x, y, z) of that frame.
+        position: origin [m] of the points' frame; the centre of mass may lie elsewhere.
+        quaternion: orientation (w, x, y, z) of the points' frame.
         mass: mass [kg]; give either the mass or the density.
         density: density [kg/m3].
         level: level of the brick, from 1.
@@ -155,12 +158,12 @@ def reach_of(brick: Brick) -> float:
 
 
 def friction_of(brick: Brick, world: World) -> float:
-    """Return the Coulomb coefficient of a brick: its own, else the world's."""
+    """Return the Coulomb coefficient of a brick: the brick's own coefficient, else the world's coefficient."""
     return world.friction if brick.friction is None else brick.friction
 
 
 def restitution_of(brick: Brick, world: World) -> float:
-    """Return the coefficient of restitution of a brick: its own, else the world's."""
+    """Return the coefficient of restitution of a brick: the brick's own, else the world's coefficient."""
     return world.restitution if brick.restitution is None else brick.restitution
 
 
@@ -213,7 +216,9 @@ def _check_shape(brick: Brick) -> None:
             f"{brick.size} m: make the brick with scenarios.solids.{shape}"
         )
     elif shape == "capsule" and z < x:
-        raise ValueError(f"a capsule must be at least as long as thick, got {brick.size} m: use a sphere")
+        raise ValueError(
+            f"a capsule must be at least as long as thick, got {brick.size} m: give more length, or use a sphere"
+        )
 
 
 def _check_moments(moments: Vector) -> None:
@@ -240,7 +245,7 @@ def _made(
 ) -> Brick:
     if (mass is None) == (density is None):
         raise ValueError(
-            f"give either mass or density, got mass={mass} and density={density}: leave out one of the two"
+            f"give either mass or density, got mass={mass} and density={density}: leave out mass or density"
         )
     brick = Brick(size, 1.0, position, quaternion, level, shape=shape)
     check_solid(brick)

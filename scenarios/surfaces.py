@@ -1,4 +1,4 @@
-"""Surfaces of shapes for pictures: corners and flat faces; a round shape gets many flat faces."""
+"""Surfaces of shapes for pictures: corners and flat faces. Many flat faces replace a round surface."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Surface:
 
     @property
     def triangles(self) -> tuple[tuple[int, int, int], ...]:
-        """Triangles that cover the faces, counter-clockwise seen from outside."""
+        """Return triangles that cover the faces, counter-clockwise seen from outside."""
         return tuple((face[0], one, other) for face in self.faces for one, other in pairwise(face[1:]))
 
 
@@ -39,7 +39,7 @@ def surface_of(shape: Shape, size: Point) -> Surface:
 
     Args:
         shape: the shape.
-        size: edge lengths [m] of the smallest box along the own axes.
+        size: edge lengths [m] of the smallest box along its own axes.
     """
     if isinstance(shape, Polyhedron):
         from scenarios.polyhedra import faces  # here, because trimesh is slow to import

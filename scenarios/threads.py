@@ -33,7 +33,7 @@ def threads() -> Mapping[str, Thread]:
 
 
 def thread_of(parameters: Mapping[str, object]) -> Thread | None:
-    """Return the thread about the stack of a scene with ``parameters``; None if there is no thread.
+    """Return the thread about the stack of a scene with ``parameters``; None for a scene without a thread.
 
     A scene with a changed size, mass or yaw has no thread.
     """

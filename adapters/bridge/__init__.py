@@ -1,1 +1,1 @@
-"""Engines in separate processes, in any language, over stdin and stdout; docs/bridge.md specifies the protocol."""
+"""Engines in separate processes, in any language, over stdin and stdout (protocol: docs/bridge.md)."""

@@ -75,7 +75,7 @@ def _capabilities(said: Any) -> Capabilities:
             raise ProtocolError(f"hello: capability '{name}' must be a {wanted.__name__}, got {value!r}")
     for name, field in known.items():
         if name not in said and field.default is MISSING:
-            raise ProtocolError(f"hello: capability '{name}' is missing; add it as docs/bridge.md describes")
+            raise ProtocolError(f"hello: capability '{name}' is missing; add this capability (see docs/bridge.md)")
     return Capabilities(**said)
 
 

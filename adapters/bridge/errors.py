@@ -6,7 +6,7 @@ from typing import ClassVar, Literal
 
 
 class PeerError(RuntimeError):
-    """Error for an engine that reports a failure or cannot be started."""
+    """Error for an engine that reports a failure or does not start."""
 
     status: ClassVar[Literal["error", "crashed", "timeout"]] = "error"
     """Status of a trial that ends with this error."""
@@ -23,6 +23,6 @@ class PeerExitError(PeerError):
 
 
 class PeerTimeoutError(PeerError):
-    """Error for an engine that did not answer in time; the suite has killed its process."""
+    """Error for an engine that did not answer in time; the suite has killed the engine's process."""
 
     status = "timeout"

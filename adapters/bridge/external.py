@@ -1,9 +1,9 @@
-"""Engines outside this repository: engines behind the bridge, from a file of engines, and classes of other packages.
+"""Engines outside this repository: engines behind the bridge (from a file of engines) and classes in other packages.
 
 A file of engines (``engines.toml``) has a table for each engine::
 
     [NAME]
-    command = ["program", "argument"]     # started in the folder of this file
+    command = ["program", "argument"]     # the suite starts it in the folder of this file
     profiles = "NAME.toml"                # settings, in the layout of adapters/profile_files.py; default: one profile
     timeout_s = 60                        # time limit [s] for the answer to each message
 
@@ -34,7 +34,7 @@ ENTRY_POINTS = "stillstack.engines"
 FILE_VARIABLE = "STILLSTACK_ENGINES"
 """Environment variable that names a file of engines."""
 DEFAULT_FILE = Path("engines.toml")
-"""File of engines in the working directory, read if ``FILE_VARIABLE`` is not set."""
+"""File of engines in the working directory, which the suite reads if ``FILE_VARIABLE`` is not set."""
 
 _KEYS = ("command", "profiles", "timeout_s")
 _BUILT_IN = frozenset(ENGINES)
@@ -62,12 +62,12 @@ class ExternalEntry:
 
     @property
     def module(self) -> str:
-        """Name of the module that a process imports before it runs trials of the engine."""
+        """Return the name of the module that a process imports before it runs trials of the engine."""
         return BridgeSimulation.__module__
 
     @property
     def remedy(self) -> str:
-        """Text for an error message: the fix if the engine does not load."""
+        """Return the fix for an engine that does not load, as text for an error message."""
         return f"check that its command runs: {list(self.command)}, from {self.source}"
 
     def version(self) -> str:
@@ -78,8 +78,8 @@ class ExternalEntry:
         """Return the class of the engine.
 
         Raises:
-            PeerError: if the engine cannot be started, or its hello message is not valid.
-            ProfileFileError: if its profile file is invalid.
+            PeerError: if the engine does not start, or its hello message is not valid.
+            ProfileFileError: if the engine's profile file is invalid.
         """
         return _class_of(self)
 
@@ -89,7 +89,7 @@ def register_command(command: Sequence[str], profiles: Path | None) -> str:
 
     Raises:
         EnginesFileError: if this suite already has an engine of that name.
-        PeerError: if the engine cannot be started, or its hello message is not valid.
+        PeerError: if the engine does not start, or its hello message is not valid.
     """
     entry = ExternalEntry("", tuple(command), Path.cwd(), profiles.absolute() if profiles else None)
     name = describe(entry).engine
@@ -123,7 +123,7 @@ def read_engines(path: Path) -> Mapping[str, ExternalEntry]:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise EnginesFileError(
-            f"{path}: cannot be read ({error}); set {FILE_VARIABLE} to the path of a file of engines"
+            f"{path}: cannot read this file ({error}); set {FILE_VARIABLE} to the path of a file of engines"
         ) from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise EnginesFileError(f"{path}: not valid TOML: {error}; correct the file at this place") from error
@@ -134,7 +134,7 @@ def describe(entry: ExternalEntry) -> Description:
     """Start an engine, return the description in its hello message, and end its process.
 
     Raises:
-        PeerError: if the engine cannot be started, or its hello message is not valid.
+        PeerError: if the engine does not start, or its hello message is not valid.
     """
     peer = Peer(entry.command, entry.folder, entry.timeout_s)
     try:

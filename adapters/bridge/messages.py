@@ -1,7 +1,7 @@
 """Conversion of the bridge's messages to and from bytes, in protocol version 1: see docs/bridge.md.
 
 A message is a header of two 32-bit numbers, the length of the body [bytes] and the kind of the message, followed by the
-body. Numbers are little-endian. The body of a step is an array of 64-bit floats; other bodies are JSON in UTF-8.
+body. Numbers are little-endian. The body of a step is an array of 64-bit floats. All other bodies are JSON in UTF-8.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ Command = tuple[float, ...]
 
 
 class Kind(IntEnum):
-    """Kind of a message. An answer has the kind of the message that it answers, or is an error."""
+    """Kind of a message. An answer has the kind of the request, or the kind of an error."""
 
     HELLO = 1
     OPEN = 2

@@ -194,7 +194,7 @@ def _widen(pipe: int) -> None:
 
 
 def _end(process: subprocess.Popen[bytes], printed: IO[bytes]) -> None:
-    """Close the pipes of a process, and wait for its end or kill it."""
+    """Close the pipes of a process, wait for its end, and kill the process if it does not end."""
     for pipe in (process.stdin, process.stdout):
         if pipe is not None:
             with suppress(OSError):

@@ -1,4 +1,4 @@
-"""Compiled check and storage of the states in an answer; a few NumPy calls would take longer than the transfer."""
+"""Compiled check and storage of the states in an answer, because NumPy calls would take longer than the transfer."""
 
 from __future__ import annotations
 

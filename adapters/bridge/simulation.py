@@ -1,8 +1,9 @@
 """A world of an engine in a separate process, with one message per frame.
 
-The simulation collects the host's changes between two frames (bodies spawned, frozen, pushed and so on) and sends them
-with the next step. Until then the simulation predicts the states: a pushed body has its new velocity, a moved body its
-new pose. The state of a frozen body is the latest state before its freeze; no message requests it again.
+The simulation collects the host's changes between two frames (spawned, frozen or pushed bodies, for example) and sends
+these changes with the next step. Until then the simulation predicts the states: a pushed body has its new velocity, a
+moved body its new pose. The state of a frozen body is the latest state before its freeze, and no message requests this
+state again.
 
 ``find_contacts`` starts a second process, and opens a world in it with the same bodies, weightless and at rest. The
 contacts of one very short step in this world are the result, so that the first world does not change.

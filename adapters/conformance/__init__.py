@@ -1,4 +1,4 @@
-"""The contract of every adapter, as a list of physical checks that are the same for all engines.
+"""The contract of every adapter: a list of physical checks, the same list for all engines.
 
 ``for check in CHECKS: check.run("bullet", "game")`` raises ``ConformanceError`` at the first check that fails. All
 scenes lie in the x-z plane, so that planar engines can pass the same checks.
@@ -42,7 +42,7 @@ class Check:
 
     @property
     def name(self) -> str:
-        """The name of the function, which states the requirement in a few words."""
+        """Return the name of the function, which states the requirement in a few words."""
         return self.measure.__name__
 
     def applies(self, engine: str, profile: str) -> bool:

@@ -58,7 +58,7 @@ def _require_well_formed(simulation: Simulation, contacts: Contacts) -> None:
 
 
 def reports_a_resting_brick(rig: Rig) -> None:
-    """Check that the contact points of a brick at rest surround its centre, on its lower face.
+    """Check that the contact points of a brick at rest lie on its lower face, around its centre.
 
     Normals must point from a to b.
     """
@@ -108,11 +108,11 @@ def reports_a_resting_brick_in_every_frame(rig: Rig) -> None:
 
 
 def reports_whole_faces_on_uneven_supports(rig: Rig) -> None:
-    """Check that a brick on two supports at heights 0.08 mm apart has both whole contact areas within six frames.
+    """Check that a brick on two supports, 0.08 mm apart in height, shows both whole contact areas within six frames.
 
     Each contact area must be complete in the union of the points of these frames.
 
-    A brick tilted by micrometres penetrates at some corners only; under load the other corners would bear force too.
+    A brick tilted by micrometres penetrates at some corners only. Under load all other corners would bear force too.
     """
     simulation = rig.open()
     step = 0.08e-3
@@ -135,7 +135,7 @@ def reports_whole_faces_on_uneven_supports(rig: Rig) -> None:
 
 
 def reports_a_support_a_hair_below(rig: Rig) -> None:
-    """Check that a beam on two bricks also has a contact with a third brick, between these two and 0.05 mm lower.
+    """Check that a beam on two bricks also has a contact with a third brick that lies between both, 0.05 mm lower.
 
     The third contact matters, because under load all three bricks would bear the beam.
     """
@@ -158,7 +158,7 @@ def reports_a_support_a_hair_below(rig: Rig) -> None:
 
 
 def reports_every_pair(rig: Rig) -> None:
-    """Check that the port reports every pair of a live brick on the ground, on a live brick and on frozen bricks."""
+    """Check that the port reports the pairs of live bricks on the ground, on a live brick and on two frozen bricks."""
     simulation = rig.open()
     left, right = frozen_column(simulation, 1, xs=(-LENGTH / 2 - 1e-3, LENGTH / 2 + 1e-3))
     bridge = place_on(simulation, 1)
@@ -234,7 +234,7 @@ def forgets_a_removed_brick(rig: Rig) -> None:
 
 
 def reports_masses(rig: Rig) -> None:
-    """Check that masses list each live body with its mass and centre, and each removed id exactly once."""
+    """Check that ``port.masses`` lists each live body with its mass and centre, and each removed id exactly once."""
     simulation = rig.open()
     bodies = [simulation.spawn(plank(x)) for x in (0.0, 0.2, 0.4)]
     advance(simulation, 0.1)

@@ -1,4 +1,4 @@
-"""Checks of bodies that the host moves: they follow their prescribed velocity, and friction moves bricks on them."""
+"""Checks of bodies that the host moves, which follow a prescribed velocity, and of the friction on these bodies."""
 
 from __future__ import annotations
 
@@ -133,13 +133,13 @@ def _slide(rig: Rig, degrees: float) -> float:
 
 
 def slides_on_a_tilted_platform_above_the_friction_angle(rig: Rig) -> None:
-    """Check that a brick on a tilted platform holds below the friction angle atan(mu) and slides above this angle."""
+    """Check that a brick on a tilted platform holds below the friction angle and slides above this angle."""
     # 2 deg: in MuJoCo with one step per frame the brick slides a fifth of the true distance at 1 deg above.
     require_friction_angle(lambda degrees: _slide(rig, degrees), margin=2.0)
 
 
 def reports_moved_bodies(rig: Rig) -> None:
-    """Check that masses list a moved body with infinite mass, even without live bodies.
+    """Check that ``port.masses`` lists a moved body with infinite mass, even without live bodies.
 
     The relative velocities of the moved body's contacts must include the body's velocity.
     """

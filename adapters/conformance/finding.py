@@ -126,7 +126,7 @@ def finds_the_contacts_of_a_tower(rig: Rig) -> None:
 
 
 def finds_the_contacts_of_an_inverted_v(rig: Rig) -> None:
-    """Check that ``find_contacts`` finds, as lines, both feet and the ridge of two planks that lean at 72 deg.
+    """Check that ``find_contacts`` finds both feet and the ridge of two planks that lean at 72 deg, each as a line.
 
     The normal at the ridge may have any direction between the faces of the planks, because engines differ.
     """
@@ -165,7 +165,8 @@ def finds_an_overlap(rig: Rig) -> None:
 def finds_contacts_among_moving_and_frozen_bricks(rig: Rig) -> None:
     """Check that a call during a simulation finds the present contacts with the present velocities.
 
-    The world has a frozen brick, a brick that the host moved onto it, a sliding brick and a falling brick.
+    The world has a frozen brick, a second brick that the host moved onto the frozen brick, a sliding brick and a
+    falling brick.
     """
     simulation = rig.open()
     (support,) = frozen_column(simulation, 1)

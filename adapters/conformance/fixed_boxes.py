@@ -1,4 +1,4 @@
-"""Checks of the fixed boxes of a world: they support, hold and stop bricks like the ground, and have its id."""
+"""Checks of a world's fixed boxes, which support, hold and stop bricks like the ground, and have the ground's id."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def _normals_from_ground(simulation: Simulation, body: int) -> FloatArray:
     """Return the normals (n, 3) of all contacts of a body, from the ground to the body.
 
     Raises:
-        ConformanceError: if the body has no contacts, or contacts with anything but the ground.
+        ConformanceError: if the body has no contact, or has a contact with another body than the ground.
     """
     contacts = touching(simulation.port.contacts(), body)
     require(pairs(contacts) == {(GROUND, body)}, f"pairs are {pairs(contacts)}, must be {(GROUND, body)} only")
@@ -81,7 +81,7 @@ def rests_on_a_fixed_box(rig: Rig) -> None:
 
 
 def slides_on_a_fixed_slope_above_the_friction_angle(rig: Rig) -> None:
-    """Check that a brick on a fixed slope slides above the friction angle atan(mu) and holds below this angle."""
+    """Check that a brick on a fixed slope slides above the friction angle and holds below this angle."""
 
     def slide(degrees: float) -> float:
         angle, thick, half = math.radians(degrees), 0.05, 1.0
@@ -103,8 +103,8 @@ def slides_on_a_fixed_slope_above_the_friction_angle(rig: Rig) -> None:
 def leans_on_a_fixed_wall(rig: Rig) -> None:
     """Check that a brick pulled against a fixed wall stays, and that the port reports the wall and the ground.
 
-    Gravity is inclined by 40 degrees, so that friction alone does not hold the brick. Both contacts name the ground,
-    and their normals point from the ground to the brick: away from the wall, and up.
+    Gravity leans by 40 degrees, so that friction alone does not hold the brick. Both contacts name the ground, and
+    their normals point from the ground to the brick: away from the wall, and up.
     """
     lean, wall = math.radians(40), _fixed((0.05, DEPTH, 0.1), (LENGTH / 2 + 0.025, 0.0, 0.05))
     gravity = (GRAVITY * math.sin(lean), 0.0, -GRAVITY * math.cos(lean))

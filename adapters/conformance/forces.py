@@ -66,7 +66,7 @@ def _mean_force(simulation: Simulation, body: int, other: int) -> FloatArray:
 
 
 def carries_a_resting_brick(rig: Rig) -> None:
-    """Check that the forces on a brick at rest, on the ground and on a frozen brick, add up to its weight."""
+    """Check that contact forces add up to the weight of a brick at rest on the ground and on a frozen brick."""
     simulation = rig.open()
     (support,) = frozen_column(simulation, 1, xs=(0.3,))
     on_ground, on_frozen = place_on(simulation, 0), place_on(simulation, 1, x=0.3)
@@ -104,7 +104,7 @@ def resists_a_steady_push(rig: Rig) -> None:
 
 
 def keeps_forces_within_the_laws_of_contact(rig: Rig) -> None:
-    """Check that friction is at most mu times the normal force at each contact, and that no force acts across a gap."""
+    """Check that friction stays inside Coulomb's cone at each contact, and that no force acts across a gap."""
     simulation = rig.open()
     stack = [simulation.spawn(plank(z=(level + 0.5) * THICKNESS)) for level in range(3)]
     alone = place_on(simulation, 0, x=0.3)

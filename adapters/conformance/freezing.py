@@ -114,7 +114,10 @@ def _struck(rig: Rig, freeze: bool) -> np.typing.NDArray[np.float64]:
 
 
 def tumbles_as_if_never_frozen(rig: Rig) -> None:
-    """Check that an unfrozen brick has its mass and inertia: struck at one end, it moves like a brick never frozen."""
+    """Check that a blow at one end moves an unfrozen brick like a brick that the port has not frozen.
+
+    Equal motion shows that the unfrozen brick has its mass and inertia.
+    """
     never, woken = _struck(rig, freeze=False), _struck(rig, freeze=True)
     require_between(0.05, abs(never[2]), 0.3, "speed [m/s] of a brick struck at its end by a brick of 0.3 m/s")
     for name, part in (("linear [m/s]", slice(0, 3)), ("angular [rad/s]", slice(3, 6))):

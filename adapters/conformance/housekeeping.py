@@ -21,7 +21,7 @@ def _require_error(kind: type[Exception], action: Callable[[], object], what: st
 
 
 def refuses_bad_input(rig: Rig) -> None:
-    """Check that unknown ids, poses that are not finite and masses that are not positive only raise errors."""
+    """Check that unknown ids, NaN, and sizes and masses that are not positive raise errors, and change no body."""
     simulation = rig.open()
     body = simulation.spawn(plank())
     nowhere = (math.nan, 0.0, 0.1)
@@ -64,7 +64,7 @@ def refuses_what_leaves_its_plane(rig: Rig) -> None:
 
 
 def keeps_poses_and_ids(rig: Rig) -> None:
-    """Check that the world returns the spawned poses, by rising id, and never reuses an id."""
+    """Check that the world returns the spawned poses, by rising id, and does not reuse an id."""
     simulation = rig.open()
     planned = [plank(0.3 * i, 0.3, lean) for i, lean in enumerate((0.0, 0.4, -1.2, 2.0))]
     bodies = [simulation.spawn(brick) for brick in planned]
@@ -100,7 +100,7 @@ def moves_a_live_brick(rig: Rig) -> None:
 
 
 def tumble(simulation: Simulation) -> bytes:
-    """Return the bytes of all poses of a falling pile, during which bricks freeze, unfreeze, get a push and leave."""
+    """Return the bytes of all poses of a falling pile, whose bricks freeze, unfreeze, get a push and leave."""
     recorded = []
     bodies = [simulation.spawn(plank(0.3 * LENGTH * (i % 2), (1.5 * i + 0.5) * THICKNESS, 0.1 * i)) for i in range(5)]
     for frame in range(60):

@@ -64,7 +64,7 @@ def moves_by_impulse_over_mass(rig: Rig) -> None:
 def accelerates_by_force_over_mass(rig: Rig) -> None:
     """Check that a steady force F gives a live brick the velocity F t / m and no spin, until a force of zero ends it.
 
-    A frozen brick must not move until it is unfrozen.
+    A frozen brick must not move until the port unfreezes the brick.
     """
     simulation = rig.open(gravity=WEIGHTLESS)
     free, frozen = simulation.spawn(plank(z=0.5)), simulation.spawn(plank(x=0.5, z=0.5))
@@ -91,7 +91,7 @@ def accelerates_by_force_over_mass(rig: Rig) -> None:
 
 
 def falls_along_gravity_that_changes(rig: Rig) -> None:
-    """Check that a change of gravity acts on live bricks, on bricks that are unfrozen later, and on new bricks."""
+    """Check that a change of gravity acts on live bricks, on later unfrozen bricks, and on new bricks."""
     simulation = rig.open()
     live, frozen = simulation.spawn(plank(z=5.0)), simulation.spawn(plank(x=1.0, z=5.0))
     simulation.port.sleep([frozen])
@@ -129,12 +129,12 @@ def _slide(rig: Rig, degrees: float, heading: Vector, levels: int) -> float:
 
 
 def slides_on_the_ground_above_the_friction_angle(rig: Rig) -> None:
-    """Check that a brick on the ground slides above the friction angle atan(mu) and holds below this angle."""
+    """Check that a brick on the ground slides above the friction angle and holds below this angle."""
     require_friction_angle(lambda degrees: _slide(rig, degrees, (1.0, 0.0, 0.0), 0))
 
 
 def slides_on_a_frozen_brick_above_the_friction_angle(rig: Rig) -> None:
-    """Check that a brick on a frozen brick slides above the friction angle atan(mu) and holds below this angle."""
+    """Check that a brick on a frozen brick slides above the friction angle and holds below this angle."""
     require_friction_angle(lambda degrees: _slide(rig, degrees, (1.0, 0.0, 0.0), 1))
 
 
@@ -144,7 +144,7 @@ def slides_sideways_above_the_friction_angle(rig: Rig) -> None:
 
 
 def is_braked_by_friction_between_live_bricks(rig: Rig) -> None:
-    """Check that a pushed brick slides over a live brick with the deceleration mu g."""
+    """Check that a pushed brick slides over a live brick with the deceleration mu g (mu: coefficient of friction)."""
     simulation = rig.open()
     simulation.spawn(plank())
     upper = place_on(simulation, 1)
@@ -215,7 +215,7 @@ def seats_on_frozen_bricks(rig: Rig) -> None:
 def holds_an_inverted_v(rig: Rig) -> None:
     """Check that two planks that lean on each other at 72 deg are slow in two successive frames.
 
-    A policy needs such frames to freeze the planks. After 0.2 s the planks must not have slipped.
+    A policy needs two slow frames to freeze the planks. After 0.2 s the planks must not have slipped.
     """
     simulation = rig.open()
     lean = math.radians(72)

@@ -36,12 +36,12 @@ def require_between(low: float, value: float, high: float, what: str) -> None:
 
 
 def require_friction_angle(slide: Callable[[float], float], margin: float = 1.0) -> None:
-    """Raise ``ConformanceError`` unless a plank holds just below the friction angle and slides just above.
+    """Raise ``ConformanceError`` unless a plank holds just below the friction angle and slides just above this angle.
 
     Args:
         slide: function of the slope [deg] that returns the distance [m] that a plank moves from 0.3 s to 0.8 s after
             its release.
-        margin: difference [deg] of the two slopes from the friction angle atan(mu).
+        margin: difference [deg] of the two slopes from the friction angle atan(mu), with the coefficient mu = 0.45.
     """
     limit = math.degrees(math.atan(0.45))
     above = math.radians(limit + margin)

@@ -1,6 +1,6 @@
 """Checks of bricks of every shape that an adapter builds, other than boxes: rest, sliding, rolling, freezing, contacts.
 
-Every body is symmetric about the x-z plane, and stays in it.
+Every body is symmetric about the x-z plane, and stays in this plane.
 """
 
 from __future__ import annotations
@@ -114,7 +114,7 @@ def carries_every_shape_on_every_shape(rig: Rig) -> None:
 
 
 def reports_where_every_shape_stands(rig: Rig) -> None:
-    """Check that a brick of each shape at rest has contacts around its centre, as wide as its face on the ground."""
+    """Check that the contacts of each shape at rest surround its centre, and are as wide as its face on the ground."""
     for what, brick in _every(rig):
         simulation = rig.open()
         body = simulation.spawn(_at(brick, 0.0))
@@ -134,7 +134,7 @@ def reports_where_every_shape_stands(rig: Rig) -> None:
 
 
 def slides_on_every_flat_face(rig: Rig) -> None:
-    """Check that a standing cylinder and a prism slide above the friction angle atan(mu), and hold below this angle."""
+    """Check that a standing cylinder and a prism slide above the friction angle, and hold below this angle."""
     flat = {
         "cylinder": cylinder(RADIUS, 0.01, position=HERE, mass=MASS),
         "polyhedron": polyhedron(np.array(_hexagon(0.02)) * (1.0, 1.0, 0.3), position=HERE, mass=MASS),
@@ -154,7 +154,10 @@ def slides_on_every_flat_face(rig: Rig) -> None:
 
 
 def rolls_down_a_slope(rig: Rig) -> None:
-    """Check that a round brick rolls at g sin(angle) / (1 + I / m r^2): a sphere at 5/7, a cylinder at 2/3."""
+    """Check that a round brick rolls with the acceleration g sin(angle) / (1 + I / (m r^2)).
+
+    A sphere has 5/7, a cylinder 2/3, of g sin(angle).
+    """
     angle = math.radians(8)
     for what, brick in _rolling(rig):
         simulation = rig.open(gravity=(GRAVITY * math.sin(angle), 0.0, -GRAVITY * math.cos(angle)))
@@ -172,7 +175,7 @@ def rolls_down_a_slope(rig: Rig) -> None:
 
 
 def freezes_every_shape(rig: Rig) -> None:
-    """Check that a frozen brick of each shape does not move by a bit, and falls freely after the port unfreezes it."""
+    """Check that a frozen brick of each shape does not move by a bit, and falls freely after its unfreeze."""
     simulation = rig.open()
     bodies = {
         what: simulation.spawn(replace(brick, position=(0.3 * column, 0.0, 1.0)))
@@ -226,7 +229,10 @@ def has_the_friction_of_a_pair(rig: Rig) -> None:
 
 
 def bounces_with_the_restitution_of_a_pair(rig: Rig) -> None:
-    """Check that on a ground of restitution 0.36 a sphere of 1 rebounds at 0.6 of its speed, and a sphere of 0 not."""
+    """Check that on a ground of restitution 0.36 a sphere of restitution 1 rebounds at 0.6 of its speed of impact.
+
+    A sphere of restitution 0 must not rebound.
+    """
     if "sphere" not in rig.capabilities.shapes:
         return
     simulation = rig.open(restitution=0.36)

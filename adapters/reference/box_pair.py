@@ -1,12 +1,13 @@
 """Contact points of two boxes: separating axes, and clipping of faces.
 
 Separating axes: the three face normals of each box, and the nine cross products of their edges. The axis with the
-greatest separation gives the normal; a face of the first box wins a tie, then a face of the second box. Where two boxes
-touch along parallel edges, the cross product vanishes, so that the normal is a face normal. Hence an inverted V stands
-only if its planks are steeper than 90 deg - atan(mu) (``Capabilities.ridge_normal``).
+greatest separation gives the normal. In a tie a face of the first box wins, then a face of the second box. Where two
+boxes touch along parallel edges, the cross product vanishes, so that the normal is a face normal. Therefore an inverted
+V stands only if its planks are steeper than 90 deg minus the friction angle (``Capabilities.ridge_normal``).
 
-Points: the face of the other box that is most antiparallel to the normal, clipped by the sides of the reference face
-(Sutherland and Hodgman). Two crossing edges have one point, in the middle of their common perpendicular.
+Points: the reference face belongs to the box whose face gives the normal. The sides of the reference face clip the face
+of the other box that is most antiparallel to the normal (Sutherland and Hodgman). Two crossing edges have one point, in
+the middle of the common perpendicular of both edges.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ def dot(a: FloatArray, b: FloatArray) -> float:
 
 @numba.njit(cache=True)
 def axes_of(q: FloatArray) -> FloatArray:
-    """Return the box's axes (3, 3) of a unit quaternion (w, x, y, z), an axis a row."""
+    """Return the box's axes (3, 3), as rows, of a unit quaternion (w, x, y, z)."""
     w, x, y, z = q[0], q[1], q[2], q[3]
     axes = np.empty((3, 3))
     axes[0, 0], axes[0, 1], axes[0, 2] = 1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)
@@ -119,7 +120,8 @@ def _widest_edges(
 ) -> tuple[int, int, float]:
     """Return the edges whose cross product separates both boxes by more than ``least`` [m], and the separation.
 
-    The edges are -1 if no cross product separates the boxes so far. Otherwise the function writes the normal (3,).
+    The edges are -1 if no cross product separates the boxes by more than ``least``. Otherwise the function also writes
+    the normal (3,).
     """
     edge_a, edge_b = -1, -1
     cross = np.empty(3)
@@ -155,7 +157,7 @@ def _write_edge_point(
     normal: FloatArray,
     point: FloatArray,
 ) -> None:
-    """Write the middle (3,) of the common perpendicular of two edges: the edges that face each other."""
+    """Write the middle (3,) of the common perpendicular of the two edges that face each other."""
     p, q = center_a.copy(), center_b.copy()
     for i in range(3):
         if i != edge_a:
@@ -189,7 +191,7 @@ def _clip_face(
     corner: FloatArray,
     depth: FloatArray,
 ) -> int:
-    """Write points and gaps of the other box's facing face above a reference face; return the number of points."""
+    """Clip the other box's facing face by a reference face; write points and gaps, and return the number of points."""
     direction = sign * axes[axis]
     polygon, cut = np.empty((16, 3)), np.empty((16, 3))
     _write_facing_face(other_center, other_axes, other_half, direction, polygon)

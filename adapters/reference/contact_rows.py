@@ -115,7 +115,7 @@ def _scale(
     start: FloatArray,
     pull: FloatArray,
 ) -> None:
-    """Write scaled velocities (m, 6) after gravity and steady forces, and the part of gravity and steady forces."""
+    """Write the scaled velocities (m, 6) after gravity and steady forces, and the change by gravity and forces."""
     for i in range(len(rows)):
         row = rows[i]
         axes = axes_of(quaternion[row])
@@ -213,8 +213,8 @@ def _write_axes(normal: FloatArray, slip: FloatArray, gravity: FloatArray, slow:
 
     The first tangent follows, in this order:
 
-    1. the slip, unless it is slow;
-    2. the tangential part of gravity, unless it is zero;
+    1. the slip, unless the slip is slow;
+    2. the tangential part of gravity, unless this part is zero;
     3. the coordinate axis that is most nearly tangential.
     """
     tangent = slip - dot(slip, normal) * normal

@@ -1,6 +1,6 @@
 """Contact detection among the boxes of a world: sweep and prune along x, then ``box_pair.collide`` for each near pair.
 
-Reach: a step must know the points that will touch before its end. The detector lists a point with the gap g if
+Reach: a step needs the points that will touch before the end of the step. The detector lists a point with the gap g if
 
     g <= SLACK + h max(0, -n . v) + h^2 |n . gravity|,
 
@@ -44,7 +44,7 @@ class FoundContacts:
 
 
 class BoxDetector:
-    """Contact detection in a world whose lengths are ``scale`` times the scene's."""
+    """Contact detection in a world whose lengths are ``scale`` times the scene's lengths."""
 
     def __init__(self, scale: float) -> None:
         self._lengths = np.array([SLACK, FACE_PREFERENCE, SAME_POINT]) * scale

@@ -10,7 +10,7 @@ from stability_core.port import FloatArray, IntArray
 
 
 def moved_to(later: FoundContacts, earlier: FoundContacts, values: FloatArray) -> FloatArray:
-    """Return a vector per later contact, shape (n, 3): the sum of the vectors of its nearest earlier points.
+    """Move the vector of each earlier contact to the nearest later contact of the pair; return the sums, shape (n, 3).
 
     A pair keeps the sum of its vectors, unless the pair has no point in the later list.
 
@@ -42,7 +42,7 @@ def _move(
     values: FloatArray,
     moved: FloatArray,
 ) -> None:
-    """Add each earlier vector to the nearest later point of its pair; ``keys`` (n,) are sorted by ``order`` (n,)."""
+    """Add each earlier vector to the nearest later point of its pair; ``order`` (n,) sorts ``keys`` (n,)."""
     for row in range(len(earlier_keys)):
         place = np.searchsorted(keys, earlier_keys[row])
         best, least = -1, np.inf

@@ -1,8 +1,8 @@
 """Layers of a stack from its contacts: the number of contacts between a body and the fixed boxes.
 
 The height of a body is the least number of contacts on a path to a fixed box: 1 for a body on the ground. A contact
-belongs to the layer of its lower body. If both bodies have the same height, the contact belongs to the layer below, so
-that the solver treats the contact when both bodies may move.
+belongs to the layer of its lower body. If both bodies have the same height, the contact belongs to the layer below.
+Then the solver treats the contact when both bodies may move.
 
     layer of a contact between heights a and b:  min(a, b)  if a != b,  a - 1  otherwise
 
@@ -59,7 +59,7 @@ def heights_of(body: IntArray, bodies: int) -> IntArray:
 
 @numba.njit(cache=True)
 def _neighbours(body: IntArray, bodies: int) -> tuple[IntArray, IntArray]:
-    """Return a list of the neighbours of all live bodies, after the start index of each body in this list."""
+    """Return the start index of each live body in a list of neighbours, and this list."""
     first = np.zeros(bodies + 1, np.int64)
     for c in range(len(body)):
         if body[c, 0] >= 0 and body[c, 1] >= 0:

@@ -1,8 +1,8 @@
 """Advance of the poses of a reference engine's boxes by their velocities.
 
-A live box turns about its spin by the exact rotation exp(h omega). The spin then changes so that the angular momentum
-R I R^T omega keeps its direction and size (free precession), unless the kinetic energy would rise. In that case the
-kernel shortens the spin to its former energy.
+A live box turns about its spin by the exact rotation exp(h omega). Then free precession changes the spin omega: the
+angular momentum R I R^T omega keeps its direction and size. If the kinetic energy would rise, the kernel shortens the
+spin to its former energy.
 """
 
 from __future__ import annotations

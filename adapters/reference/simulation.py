@@ -5,8 +5,8 @@ Freezing: a frozen box is a fixed box. Nothing changes its pose, and rows of the
 Contacts: ``_contacts`` detects the contacts at the present poses. A force of the latest step belongs to the nearest
 present point of the same pair.
 
-Divergence: a state that is not finite never becomes finite again. Therefore the adapter then makes no further step, and
-reports poses as NaN.
+Divergence: no step leads from a state that is not finite back to a finite state. Therefore the adapter then makes no
+further step, and reports poses as NaN.
 """
 
 from __future__ import annotations
@@ -34,8 +34,11 @@ class ReferenceSimulation(SubstepSimulation):
         """Return the solution of a step's contact problem.
 
         Returns:
-            The scaled velocities (m, 6) after the contacts; the impulses (n, 3) along the rows, in units of
-            ``problem.impulse_unit``; the corrections of the poses (m, 6), as scaled velocities that act for one step.
+            Three arrays:
+
+            - the scaled velocities (m, 6) after the contacts;
+            - the impulses (n, 3) along the rows, in units of ``problem.impulse_unit``;
+            - the corrections of the poses (m, 6), as scaled velocities that act for one step.
         """
 
     def _open(self) -> None:
@@ -147,7 +150,7 @@ class ReferenceSimulation(SubstepSimulation):
     # -- helpers --------------------------------------------------------------------------------------
 
     def _prepare(self) -> None:
-        """Compile the kernels, or load them from the cache, before any frame is timed."""
+        """Compile the kernels, or load the kernels from the cache, before the first timed frame."""
         held = self._boxes
         self._boxes = BoxArrays(0)
         self._boxes.add(-1, Brick((1.0, 1.0, 1.0), 1.0, (0.0, 0.0, -0.5)), FIXED)

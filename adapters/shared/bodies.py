@@ -14,7 +14,7 @@ NO_VELOCITY: Vector = (0.0, 0.0, 0.0)
 
 
 class Bodies:
-    """Record of the live, frozen and moved bodies of a world. An id never returns for another body.
+    """Record of the live, frozen and moved bodies of a world. The record does not reuse an id.
 
     The public collections remain the same objects while the world exists, so that other objects may refer to them.
     """

@@ -1,6 +1,6 @@
 """Kernels for the contacts of boxes that touch or nearly touch: corners of contact areas, and pairs at a small gap.
 
-``adapters.shared.swept_contacts`` compiles some of these kernels into its own: see ADR-0002 on Numba's cache.
+The kernels of ``adapters.shared.swept_contacts`` call some of these kernels: see ADR-0002 on Numba's cache.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ SLACK = 1e-6
 SAME = 1e-3
 """Distance [m] within which a corner and a point of the engine count as the same point."""
 PLANK = math.sqrt(58.5e-3 * 58.5e-3 + 11.7e-3 * 11.7e-3 + 3.9e-3 * 3.9e-3)
-"""Half the diagonal [m] of the plank for which the lengths of this module are chosen. For a pair of boxes the
+"""Half the diagonal [m] of the plank that determines the lengths of this module. For a pair of boxes the
 kernels multiply a length by the ratio of the smaller box's diagonal to the plank's diagonal, as the core does."""
 
 CENTER, TURN, HALF, REACH = slice(0, 3), slice(3, 7), slice(7, 10), slice(10, 13)

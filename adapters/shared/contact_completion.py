@@ -2,8 +2,8 @@
 
 A brick that rests on three corners, tilted by micrometres, has three points in these lists: half of the true contact
 area. A roof over four edges, at heights that differ by micrometres, has two edges in these lists. Under load the
-missing corners would bear force as well. Other engines list these corners with a small gap. This module computes the
-missing corners by clipping one face by the other, as the engines themselves do.
+missing corners would bear force as well. Other engines list these corners with a small gap. This module clips a face of
+one body by the facing face of the other body, which gives the missing corners. The engines use the same method.
 """
 
 from __future__ import annotations
@@ -122,9 +122,8 @@ class BoxTable:
     def with_exact_faces(self, contacts: Contacts, live: IntArray, friction: float) -> Contacts:
         """Return the corners of all pairs that touch or nearly touch, followed by the contacts of all other pairs.
 
-        The boxes' geometry is more exact at a gap of zero, because there an engine may list no contact, or a normal
-        between coinciding corners that is a rounding error. Deeper overlaps and crossing edges keep the engine's
-        contacts.
+        The boxes' geometry is more exact at a gap of zero. There an engine may list no contact, or its normal between
+        coinciding corners may be a rounding error. Deeper overlaps and crossing edges keep the engine's contacts.
 
         Args:
             contacts: contacts that the engine lists.
@@ -204,7 +203,7 @@ def joined(first: Contacts, second: Contacts) -> Contacts:
 
 
 def prepare() -> None:
-    """Compile the kernels, or load them from the cache, before any frame is timed."""
+    """Compile the kernels, or load the kernels from the cache, before the first timed frame."""
     table = BoxTable()
     for body in range(3):
         table.add(body, (1.0, 1.0, 1.0))

@@ -1,16 +1,16 @@
 """Completion, from the bodies' geometry, of the contacts of pairs with at least one body that is no box.
 
-Engines list few points of a round face or of a line, and some engines list one more point in each step. MuJoCo lists
-three points below a standing cylinder, which span a quarter of the cylinder's face. The extension needs the whole
-contact area. For the normal that the engine lists, the geometry gives the points of each body that face the other body:
+Engines list few points of a round face or of a line, and some engines list one more point in each step. For example,
+MuJoCo lists three points below a standing cylinder, and these points span a quarter of its face. The extension needs
+the whole contact area. For the normal that the engine lists, the geometry gives the facing points of both bodies:
 
-- box, polyhedron: its vertices;
-- cylinder: ``RIM`` points on each rim, one of them in the direction of the normal;
+- box, polyhedron: the vertices;
+- cylinder: ``RIM`` points on each rim, with a point in the direction of the normal;
 - capsule: the two points of the rounded ends, in the direction of the normal;
 - sphere: one point.
 
-``stability_core.ports.shared.contact_area`` intersects both sets. Two parallel lines, as of two logs, meet in the part
-that they share.
+``stability_core.ports.shared.contact_area`` intersects both sets. Two parallel lines, for example of two logs, meet in
+their common part.
 """
 
 from __future__ import annotations
@@ -149,7 +149,7 @@ def _local_points(brick: Brick, direction: FloatArray) -> FloatArray:
 
 
 def _shared_part(one: FloatArray, other: FloatArray) -> FloatArray:
-    """Return the ends (2, 3) [m] of the part that two parallel lines share; no ends if they share none."""
+    """Return the ends (2, 3) [m] of the common part of two parallel lines; no ends without a common part."""
     (start, end), (p, q) = one, other
     length = float(np.linalg.norm(end - start))
     along = (end - start) / length

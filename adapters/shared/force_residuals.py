@@ -20,9 +20,10 @@ def ground_force(contacts: Contacts) -> FloatArray:
 
 
 def cone_excess(contacts: Contacts) -> FloatArray:
-    """Return the excess of friction over mu times the normal force at each contact, shape (n,) [N]; 0 inside the cone.
+    """Return the excess [N] of friction over its bound mu f at each contact, shape (n,); 0 inside the cone.
 
-    At a contact with a pulling normal force the excess is the sum of its friction and mu times the pull.
+    The bound is the coefficient of friction mu times the normal force f. At a contact with a pulling normal force the
+    excess is the sum of its friction and mu times the pull.
 
     Raises:
         ValueError: if the contacts have no forces.
@@ -39,7 +40,7 @@ def complementarity(contacts: Contacts, weight: float, length: float) -> FloatAr
 
     With the normal force f and the separation s, a residual of 0 means 0 <= f, 0 <= s and f s = 0. The residual is
 
-    - the overlap, or the pull of a pulling force, whichever is larger;
+    - the larger of overlap and pull, if the bodies overlap or the force pulls;
     - the smaller of force and gap, if the force presses and the bodies are apart;
     - NaN if the engine does not report the separation.
 

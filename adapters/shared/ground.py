@@ -18,7 +18,7 @@ ground's centre, so that falling bricks land on the ground."""
 def ground_box(bricks: Iterable[Brick], scale: float, middle: float = 0.0) -> Brick:
     """Return a ground for ``bricks``, with half edges of at least ``MIN_HALF_EDGES`` times ``scale``.
 
-    The ground is centred at x = ``middle`` [m], the scene's origin. Its length and width grow with the greatest
+    The ground's middle lies at x = ``middle`` [m], the scene's origin. Its length and width grow with the greatest
     distance of a brick's corner from the centre. Its thickness does not grow.
     """
     x, y, z = (scale * edge for edge in MIN_HALF_EDGES)

@@ -59,6 +59,6 @@ def check_pose_in_plane(engine: str, position: Vector, quaternion: Quaternion) -
         )
     if max(abs(i), abs(k)) > MAX_OFF_PLANE:
         raise ValueError(
-            f"{engine} is planar: a brick may turn about the y axis only, got quaternion {quaternion}: set its x and z "
+            f"{engine} is planar: a brick may turn about the y axis only, got quaternion {quaternion}: set the x and z "
             "components to 0"
         )

@@ -1,4 +1,4 @@
-"""Friction of pairs of bodies: the geometric mean of both coefficients, read by the bodies' ids in contacts."""
+"""Friction of pairs of bodies: the geometric mean of both coefficients, by the bodies' ids in contacts."""
 
 from __future__ import annotations
 

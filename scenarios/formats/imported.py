@@ -27,15 +27,15 @@ class Imported:
     names: tuple[str, ...]
     """Name of each brick in the file."""
     notes: tuple[str, ...] = ()
-    """Elements that were left out or changed, in words."""
+    """Notes on the elements that the import left out or changed, in words."""
 
 
 def with_common_friction(world: World, bricks: Sequence[Brick]) -> tuple[World, tuple[Brick, ...]]:
-    """Remove the coefficients of friction of bricks and fixed bodies that equal the world's coefficient.
+    """Remove coefficients of friction that equal the world's coefficient from bricks and fixed bodies.
 
-    The result has the same friction, because a body without its own coefficient has the world's. A scene with a single
-    coefficient also runs on engines that have no friction of single bodies. The function changes nothing unless the
-    world's coefficient is the most frequent coefficient of the bricks.
+    The result has the same friction, because a body without its own coefficient has the world's coefficient. A scene
+    with a single coefficient also runs on engines that accept one coefficient only. The function changes nothing unless
+    the world's coefficient is the most frequent coefficient of the bricks.
     """
     counted = Counter(brick.friction for brick in bricks if brick.friction is not None)
     if not counted or counted.most_common(1)[0][0] != world.friction:

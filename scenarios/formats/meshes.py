@@ -37,7 +37,7 @@ def convex_parts(name: str, vertices: FloatArray, faces: Any) -> list[FloatArray
     """Return the vertices of the convex parts of a mesh, each of shape (v, 3) [m].
 
     Raises:
-        ImportRefusedError: if CoACD is not installed.
+        ImportRefusedError: if the package CoACD is missing; the message names the command that installs it.
     """
     if importlib.util.find_spec("coacd") is None:
         raise ImportRefusedError(

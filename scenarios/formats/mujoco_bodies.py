@@ -61,13 +61,14 @@ def free_brick(model: Any, data: Any, body: int, name: str, geoms: Sequence[Geom
     """Return a free body as a brick.
 
     Raises:
-        ImportRefusedError: if the body has several geometries or none, its shape is not convex, or its centre of mass
-            or principal axes differ from those of its shape; the message names the body and the fix.
+        ImportRefusedError: if the body has no geometry or several geometries, its shape is not convex, or its mass
+            properties do not fit its shape; the message names the body and the fix.
     """
     if len(geoms) != 1:
         raise ImportRefusedError(
             f"body '{name}' has {len(geoms)} collision geometries, but a brick has one convex shape: give the body "
-            "one geometry, for example a mesh of their convex hull, and set contype and conaffinity of the others to 0"
+            "one geometry, for example a mesh of their convex hull, and set contype and conaffinity of all other "
+            "geometries to 0"
         )
     (geom,) = geoms
     parts = [index for index in range(1, model.nbody) if model.body_weldid[index] == body]
@@ -129,8 +130,8 @@ def _shape(model: Any, geom: Geom, mass: float) -> Brick:
             vertices, faces = _mesh(model, geom.mesh)
             if not is_convex(vertices, faces):
                 raise ImportRefusedError(
-                    f"mesh of '{geom.name}' is not convex, but a brick has one convex shape: replace it by its convex "
-                    "hull or by another convex shape"
+                    f"mesh of '{geom.name}' is not convex, but a brick has one convex shape: replace the mesh by its "
+                    "convex hull or by another convex shape"
                 )
             return _hull(vertices, geom, mass)
     kind = str(mujoco.mjtGeom(geom.kind)).rpartition("mjGEOM_")[2].lower()

@@ -146,7 +146,7 @@ def _colliding(model: Any, root: int, notes: list[str]) -> list[int]:
 
 
 def _split_planes(geoms: Sequence[Geom]) -> tuple[Geom | None, list[Geom]]:
-    """Return the plane of the ground, None without a plane, and all other geometries."""
+    """Return the plane of the ground (None if the file has no plane) and all other geometries."""
     planes = [geom for geom in geoms if geom.kind == mujoco.mjtGeom.mjGEOM_PLANE]
     for plane in planes:
         if np.hypot(*plane.frame[:2, 2]) > LEVEL or plane.frame[2, 2] < 0:

@@ -1,4 +1,4 @@
-"""The optional package OpenUSD: a test for the package, and the message if the package is missing."""
+"""Test for the optional package OpenUSD, and the message for a missing package."""
 
 from __future__ import annotations
 

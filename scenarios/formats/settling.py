@@ -2,8 +2,8 @@
 
 The module takes the bricks from the lowest brick up, and moves each brick in two steps:
 
-1. If the brick overlaps a lower brick or a fixed body sideways by at most ``OVERLAP``, the module shifts the brick
-   along the normal of the overlap.
+1. The brick may overlap a lower brick or a fixed body sideways. If the overlap is at most ``OVERLAP``, the module
+   shifts the brick along the normal of the overlap.
 2. The brick sinks by at most ``GAP``, or rises by at most ``OVERLAP``, until it touches the body or the ground below.
 
 The module refuses a larger overlap or gap with an error that names both bodies. Each brick that moves by more than
@@ -29,11 +29,11 @@ OVERLAP = 1e-3
 GAP = 10e-3
 """Greatest gap [m] below a body that counts as a spawn height, because files release bodies a little above a table."""
 UPRIGHT_NORMAL = 0.7
-"""Vertical part of the unit normal from which an overlap is removed by step 2, not sideways."""
+"""Vertical part of the unit normal from which step 2 removes an overlap, not step 1."""
 EXACT = 1e-9
 """Overlap [m] below which two bodies count as touching."""
 REPORTED = 1e-7
-"""Change of a pose [m] from which it is reported, because MuJoCo keeps vertices of meshes in single precision."""
+"""Least change of a pose [m] that gets a note, because MuJoCo keeps vertices of meshes in single precision."""
 
 
 def settled(imported: Imported) -> Imported:
@@ -65,7 +65,7 @@ def _moved_aside(name: str, brick: Brick, there: Sequence[tuple[str, Brick]]) ->
         gap, normal = separation(solid_of(body), solid_of(brick))
         if gap < -OVERLAP:
             raise ImportRefusedError(
-                f"{name} overlaps {other} by {-gap * 1e3:.3f} mm, more than {OVERLAP * 1e3:g} mm: move them apart"
+                f"{name} overlaps {other} by {-gap * 1e3:.3f} mm, more than {OVERLAP * 1e3:g} mm: move the bodies apart"
             )
         if -OVERLAP <= gap < -EXACT and abs(normal[2]) < UPRIGHT_NORMAL:
             brick = _shifted(brick, -gap * normal)

@@ -69,7 +69,7 @@ def _add_geometry(geometry: ET.Element, name: str, body: Brick) -> None:
             ET.SubElement(geometry, "sphere", radius=repr(x / 2))
         case _:
             raise ExportRefusedError(
-                f"{name} is a {name_of(body.shape)}, which URDF has only as a mesh file: use --mjcf"
+                f"{name} is a {name_of(body.shape)}, which URDF describes by a mesh file only: use --mjcf"
             )
 
 

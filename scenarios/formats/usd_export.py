@@ -23,7 +23,7 @@ def to_usd(scene: Scene) -> str:
     both coefficients are equal.
 
     Raises:
-        ExportRefusedError: if OpenUSD is not installed.
+        ExportRefusedError: if OpenUSD is missing.
     """
     if not has_openusd():
         raise ExportRefusedError(MISSING)

@@ -37,7 +37,7 @@ def read_usd(path: Path) -> Imported:
     """Return the content of a USD file.
 
     Raises:
-        ImportRefusedError: if OpenUSD is not installed or cannot read the file, or a scene cannot hold a prim.
+        ImportRefusedError: if OpenUSD is missing or cannot read the file, or a scene cannot hold a prim.
     """
     if not has_openusd():
         raise ImportRefusedError(MISSING)
@@ -118,7 +118,7 @@ def _shape(prim: Any, unit: float, mass: float) -> Brick:
         counts, indices = mesh.GetFaceVertexCountsAttr().Get(), mesh.GetFaceVertexIndicesAttr().Get()
         if not is_convex(points, _triangles(counts, indices)):
             raise ImportRefusedError(
-                f"mesh '{prim.GetPath()}' is not convex: replace it by its convex hull, or by convex parts"
+                f"mesh '{prim.GetPath()}' is not convex: replace the mesh by its convex hull, or by convex parts"
             )
         return polyhedron(points, position=(x, y, z), quaternion=quaternion_of(frame), mass=mass)
     if np.ptp(scale) > SKEW * scale.max():

@@ -4,11 +4,12 @@ Theory: the upper sphere's contacts lie at a = asin(1 / sqrt(3)) = 35.26 deg to 
 
 - Without stops, three forces act on a lower sphere: its weight, the ground's force and the upper sphere's force. All
   three pass through the contact with the ground, because the first two do. Therefore the upper sphere's force leans by
-  a / 2 to the vertical and to the contact's normal. The pyramid opens if mu < tan(a / 2) = 0.318 between the spheres.
-  On the ground mu > 0.080 suffices.
-- Above this limit friction balances the pyramid on level ground, but nothing resists one motion: the lower spheres roll
-  forward, and the upper sphere turns backward like a gear. All centres move together, and no contact slides. Therefore
-  the pyramid rolls away on the least slope. The scene is a study, because a scene that must stand needs a margin.
+  a / 2 to the vertical and to the contact's normal. The pyramid opens if the coefficient of friction mu between the
+  spheres is below tan(a / 2) = 0.318. On the ground mu > 0.080 suffices.
+- Above this limit friction balances the pyramid on level ground. But one motion meets no resistance: the lower spheres
+  roll forward, and the upper sphere turns backward like a gear. All centres move together, and no contact slides.
+  Therefore the pyramid rolls away on the least slope. The scene is a study, because a scene that must stand needs a
+  margin.
 - Each of three stops touches two lower spheres. Two stops hold each sphere, at 60 deg on either side of the outward
   direction. Pressure alone holds the spheres, and no sphere can move unless another sphere rises. With the weight W of
   a sphere, the force on each stop is 2 W tan(a) / 3. A stop weighs twice as much as all spheres together. Therefore a

@@ -6,9 +6,9 @@ forces act on the column:
 - the inertial force m a, backward, at the height n b / 2 of the column's middle;
 - the weight m g, at the distance b / 2 from the column's rear edge.
 
-Therefore the column tips if a > g / n. The column does not slide while a < mu g. At half of g / n the belt carries the
-column along. At one and a half times g / n the column tips if the acceleration moves the centre of mass beyond the edge
-before the acceleration ends.
+Therefore the column tips if a > g / n. The column does not slide while a < mu g, with the coefficient of friction mu.
+At half of g / n the belt carries the column along. At one and a half times g / n the column tips if the acceleration
+moves the centre of mass beyond the edge before the acceleration ends.
 
 Look for: a frozen column must travel with the belt, and must tip at the same acceleration as a column that is awake.
 """

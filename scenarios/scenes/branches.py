@@ -35,7 +35,7 @@ HALF_TRUNK, RADIUS, COLUMN, HALF_PLATE = 0.14, 0.34, 0.12, 0.45
 
 @scenario
 def branches(*, columns: Annotated[int, Whole(2, 4)] = 4, margin: Margin = 0.3, scale: Scale = 4.0) -> Plan:
-    """Build a plate with columns on a trunk; then load one column.
+    """Build a plate with columns on a trunk, then load one column.
 
     Args:
         columns: number of columns, 2, 3 or 4; two columns stand on a plank, more columns on a square plate.

@@ -1,4 +1,4 @@
-"""A beam on a pier, with a counterweight on the inner end and a load on the outer end; then the scene removes a weight.
+"""A beam on a pier, with a counterweight on the inner end and a load on the outer end. Then the scene removes a weight.
 
 Theory: the beam has the mass m and the length L, the counterweight the mass 2 m, and the load the mass p. The moments
 about the pier's edge, over g, are
@@ -12,7 +12,7 @@ about the pier's edge, over g, are
 - Without the load the stack stands.
 
 Look for: the counterweight decides, although it is not above or below the load. A rule that considers only bodies
-straight above their support errs: the beam stands without its counterweight, or tips with it.
+straight above their support errs: the beam stands without its counterweight, or tips with its counterweight.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def cantilever(
     taken: Annotated[str, Choice("nothing", "load", "counterweight")] = "nothing",
     scale: Scale = 1.5,
 ) -> Plan:
-    """Build a beam beyond its pier, held by a counterweight; then remove the load or the counterweight.
+    """Build a beam beyond its pier, held by a counterweight, then remove the load or the counterweight.
 
     Args:
         margin: share by which the load is lighter than the limit; negative if the load is heavier.

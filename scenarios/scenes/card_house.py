@@ -6,11 +6,11 @@ roofs in turn: n storeys make 2 n - 1 levels. All planks lie in the x-z plane.
 
 Layout:
 
-- Two ridges: a roof plank covers both ridges and overhangs each by ``OVERHANG``.
+- Two ridges: a roof plank covers both ridges and overhangs each ridge by ``OVERHANG``.
 - Three ridges: two roof planks meet above the middle ridge. The layout moves both planks outward until the usual gap is
   between them.
-- Four ridges and more: whole planks do not fit. The layout shortens all planks except the outermost two, and leaves the
-  usual gaps.
+- Four ridges and more: whole planks do not fit. The layout shortens all planks except the two outermost planks, and
+  leaves the usual gaps.
 - Upper Vs stand in the middle between the ridges below.
 
 Theory: a plank of weight w, length L and thickness t leans at theta from the ground, and carries the load P at its top.
@@ -18,9 +18,10 @@ The plank's foot carries w + P. The force at the ridge has the horizontal part
 
     H = (w / 2 + P) (cot theta - t / L)
 
-- If the ridge's normal is horizontal, only the foot needs friction: mu >= H / (w + P). This limit grows with the load,
-  from (cot theta - t / L) / 2 for a V alone toward cot theta - t / L. Exact statics at 72 deg gives 0.129, 0.183 and
-  0.208 for one, two and three storeys, because the friction of the roofs helps to hold the ridges.
+- If the ridge's normal is horizontal, only the foot needs friction: the coefficient mu must be at least H / (w + P).
+  This limit grows with the load, from (cot theta - t / L) / 2 for a V alone toward cot theta - t / L. Exact statics at
+  72 deg gives 0.129, 0.183 and 0.208 for one, two and three storeys, because the friction of the roofs helps to hold
+  the ridges.
 - Most engines report a plank's face normal at the ridge, because two edges meet there. The normal of Jolt and Havok is
   horizontal. With a face normal the force H leans 90 deg - theta from the normal. The ridge then needs more friction,
   at any load: mu >= cot theta, which is 0.325 at 72 deg.
@@ -73,22 +74,22 @@ class Card(NamedTuple):
 
     @property
     def ridge_gap(self) -> float:
-        """Gap [m] between the two cards of a V at its ridge."""
+        """Return the gap [m] between the two cards of a V at its ridge."""
         return RIDGE_GAP * (self.thickness / THICKNESS)
 
     @property
     def edge(self) -> float:
-        """Width [m] along x of the upper short edge."""
+        """Return the width [m] along x of the upper short edge."""
         return self.thickness * math.sin(self.theta)
 
     @property
     def height(self) -> float:
-        """Height [m] of a V."""
+        """Return the height [m] of a V."""
         return LENGTH * math.sin(self.theta) + self.thickness * math.cos(self.theta)
 
     @property
     def spread(self) -> float:
-        """Distance [m] along x from a V's middle to the edges on which it stands."""
+        """Return the distance [m] along x from a V's middle to the edges on which the V stands."""
         return LENGTH * math.cos(self.theta) + self.ridge_gap / 2
 
 

@@ -1,4 +1,4 @@
-"""A column that fills the room between the ground and a fixed ceiling; then the scene removes bricks of the column.
+"""A column that fills the room between the ground and a fixed ceiling. Then the scene removes bricks of the column.
 
 Theory: the ceiling touches the topmost brick and can only push this brick down. Without the bricks below, the topmost
 brick falls freely. Without the topmost brick, the lower bricks stand as before, under less load.
@@ -29,7 +29,7 @@ PAUSE_S = 2.0
 def ceiling(
     *, bricks: Annotated[int, Whole(2, 20)] = 3, taken: Annotated[str, Choice("upper", "lower")] = "upper"
 ) -> Plan:
-    """Build a column that fills the room between ground and ceiling; then remove bricks of the column.
+    """Build a column that fills the room between ground and ceiling, then remove bricks of the column.
 
     Args:
         bricks: number of bricks of the column.

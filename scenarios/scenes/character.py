@@ -1,13 +1,13 @@
 """A plank on a pedestal and a prop, with a moving character; the scene removes the prop, then the character.
 
-Theory: moments about the pedestal's edge. Without the prop, the plank stands because the character's weight acts on the
-plank's inner end. Without the character, the plank stands if its own centre of mass is above the pedestal, and tips if
-the centre is beyond the edge. The margin is the distance of the centre from the edge, inward, over half the plank's
-length.
+Theory: moments about the pedestal's edge decide. Without the prop, the plank stands because the character's weight acts
+on the plank's inner end. Without the character, the plank stands if its own centre of mass is above the pedestal, and
+tips if the centre is beyond the edge. The margin is the distance of the centre from the edge, inward, over half the
+plank's length.
 
-The character is a block that never rests for long, like a player's figure in a game. Eight pushes a second, alternately
-to the left and to the right, give the block a speed v of 0.05 m/s each. Friction stops the block after v^2 / (2 mu
-g) = 0.28 mm.
+The character is a block that moves again and again, like a player's figure in a game. The scene pushes the block eight
+times a second, alternately to the left and to the right. Each push gives the block a speed v of 0.05 m/s. Friction with
+the coefficient mu stops the block after v^2 / (2 mu g) = 0.28 mm.
 
 Look for: a stability extension must judge the stack again when the character leaves.
 """

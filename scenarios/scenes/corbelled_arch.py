@@ -1,7 +1,7 @@
 """A corbelled arch: on two sides each plank reaches beyond the plank below, until a capstone bridges the gap.
 
-Theory, with the length L and the thickness t of a plank, the step d, n planks a side, and the overlap o of the capstone
-and a top plank:
+Theory: a plank has the length L and the thickness t. Each side has n planks, with the step d. The capstone overlaps a
+top plank by o. The coefficient of friction is mu.
 
 - Each side alone is a leaning tower, which stands while n d < L.
 - The capstone adds half a plank's weight to each side. At best this force acts at the outer end of the overlap, at
@@ -38,8 +38,8 @@ def corbelled_arch(*, courses: Annotated[int, Whole(2, 30)] = 5, margin: Margin 
 
     Args:
         courses: number of planks of each side.
-        margin: share by which the steps are smaller than the limit without friction; if negative, share by which the
-            steps are larger than the limit with friction. Below about -1 / ``courses`` the sides would fall before the
+        margin: share by which the steps are smaller than the limit without friction; if negative, share by which they
+            are larger than the limit with friction. Below about -1 / ``courses`` the sides would fall before the
             capstone's placement.
         scale: factor on all lengths, relative to the standard plank.
     """

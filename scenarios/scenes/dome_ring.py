@@ -2,8 +2,8 @@
 
 Theory: a single stone slides inward, because the seat's ``SLOPE`` exceeds the angle of friction.
 
-- Whole ring: the sides of each stone point to the axis, and neighbours press against each other. By symmetry this
-  pressure alone holds all stones. With n stones of weight W, the pressure P between neighbours satisfies
+- Whole ring: the sides of each stone point to the axis, and neighbours press against each other. Because of the
+  symmetry this pressure alone holds all stones. With n stones of weight W, the pressure P between neighbours satisfies
   2 P sin(pi / n) = W tan(slope).
 - Half a ring: the two outer stones have no pressure on one side, and the stones slide inward. Exact statics finds no
   forces that hold the stones. In engines the stones meet the seats of their neighbours after 20 mm, and may jam there.

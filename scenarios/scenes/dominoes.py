@@ -1,12 +1,12 @@
-"""A row of dominoes, and a striker that pushes the first domino beyond its limit, or not quite to its limit.
+"""A row of dominoes, and a striker that pushes the first domino beyond the limit of balance, or less far.
 
 Theory, for a domino of height h and thickness b, and a striker on a shelf of height s:
 
 - The striker is higher than a domino, and therefore pushes the domino's upper rear edge.
-- A domino that leans forward by p about its lower front edge has moved the upper rear edge by d(p) = h sin(p) + b
-  (1 - cos(p)).
+- A domino that leans forward by the angle p has turned about its lower front edge. Its upper rear edge has moved by
+  d(p) = h sin(p) + b (1 - cos(p)).
 - The domino's centre passes over the front edge at p = atan(b / h). The domino falls if the striker moves the upper
-  rear edge by more than d(atan(b / h)). If the striker stops before, the domino stands up again.
+  rear edge by more than d(atan(b / h)). If the striker stops before this distance, the domino stands up again.
 - The domino tips before it slides, because the push that tips the domino is b / (2 s) = 0.14 of the weight, less than
   the friction of 0.45.
 - The domino's speed does not matter, because the striker is slow.
@@ -32,8 +32,8 @@ SIZE = (0.03, 0.06, 0.12)
 PITCH = 0.09
 """Distance [m] between the middles of neighbours, which leaves half a height between them."""
 STRIKER = (0.16, 0.06, 0.04)
-"""Edges of the striker [m]: so long that friction below it does not tip it while it is pulled by its centre, and that
-its centre stays over the shelf."""
+"""Edges of the striker [m]. The striker is so long that friction does not tip it while the manipulator pulls its
+centre, and that its centre stays over the shelf."""
 SHELF = (0.2, 0.06, 0.11)
 """Edges of the shelf [m]: it ends 1 cm below the top of a domino, so that the striker pushes high."""
 CLEAR = 0.01
@@ -48,7 +48,7 @@ BEGINS_S = 2.0
 
 @dynamic_scenario
 def dominoes(*, count: Annotated[int, Whole(1, 100)] = 5, margin: Margin = 0.5) -> Plan:
-    """Build a row of standing dominoes, and push the first one.
+    """Build a row of standing dominoes, and push the first domino.
 
     Args:
         count: number of dominoes.

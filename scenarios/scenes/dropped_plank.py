@@ -6,8 +6,8 @@ energy
     k m g (sqrt(e^2 + z^2) - z),    z = k t / 2,    e: half the width
 
 to tip over a long edge of the plank below. The topmost plank alone needs the least energy. While m g h is less than
-half of this least energy, nothing can tip, whichever plank gets the energy. Nothing slides, because the plank strikes
-the middle. From a greater height, dynamics decide, and the scene is a study.
+half of this least energy, no plank can tip. No plank slides, because the dropped plank strikes the middle. After a drop
+from a greater height dynamics decide, and the scene is a study.
 
 Look for: a blow on a frozen brick must unfreeze only the bodies that the blow can move. A stack that withstands every
 blow is a false stand.

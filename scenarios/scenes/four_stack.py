@@ -3,12 +3,12 @@
 Each plank's end meets the next plank's side across a gap. The next level turns in the opposite sense, so that every
 plank lies mostly on one plank, and with its end on a second plank.
 
-Theory: on each of the four sides the planks shift along their length, alternately left and right, by half a gap plus
-half a width: 12.7 mm. The centre of mass of any upper part of a side lies at most 12.7 mm from the middle line. The
-planks of two levels overlap by 45.8 mm on either side of this line. Therefore each side alone is in equilibrium at any
-height. Without a gap, the values are 11.7 mm and 46.8 mm.
+Theory: on each of the four sides the planks shift along their length, alternately left and right. The shift is half a
+gap plus half a width: 12.7 mm. The centre of mass of any upper part of a side lies at most 12.7 mm from the middle
+line. The planks of two levels overlap by 45.8 mm on either side of this line. Therefore each side alone is in
+equilibrium at any height. Without a gap, the values are 11.7 mm and 46.8 mm.
 
-Look for: every plank has two supports, and its load can pass to either support. The stack sinks first; then one side
+Look for: every plank has two supports, and its load can pass to either support. First the stack sinks. Then one side
 gives way.
 """
 

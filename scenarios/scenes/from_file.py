@@ -2,7 +2,7 @@
 
 ``scenarios.formats`` reads MJCF, URDF and USD files, and places all their bodies at time 0. A TOML file has times:
 
-    name = "mine"                      # optional, as all fields before the first brick
+    name = "mine"                      # optional, like all fields before the first brick
     friction = 0.45
     gravity = [0.0, 0.0, -9.81]        # m/s2
     watch_s = 5.0                      # duration of the trial after the last action, s
@@ -10,25 +10,25 @@
     size = [0.117, 0.0234, 0.0078]     # m
     position = [0.0, 0.0, 0.0039]      # of the centre, m; the ground is z = 0
     mass = 0.0119                      # kg
-    time = 0.0                         # time of placement, s; bricks with the same time are placed together
+    time = 0.0                         # time of placement, s; the scene places bricks of the same time together
     yaw = 30.0                         # deg, optional; or quaternion = [w, x, y, z]
     removed = 8.0                      # time of removal, s, optional
-    friction = 0.3                     # its own coefficient, optional; a pair has the geometric mean of both
+    friction = 0.3                     # own coefficient, optional; a pair has the geometric mean of both
     [[brick]]
     shape = "cylinder"                 # or "capsule", "sphere" (radius), "polyhedron" (vertices = [[x, y, z], ...])
     radius = 0.03                      # m; the axis is the body's own z
-    length = 0.1                       # m; of a capsule, without both caps
+    length = 0.1                       # m; the length of a capsule excludes both caps
     position = [0.2, 0.0, 0.05]
     density = 557.0                    # kg/m3, in place of the mass
     time = 1.0
     [[fixed]]                          # a body that never moves: a wall, a table, a ceiling; optional
     size = [0.02, 0.1, 0.1]
-    position = [0.07, 0.0, 0.05]       # and yaw or quaternion, as of a brick
+    position = [0.07, 0.0, 0.05]       # and yaw or quaternion, like a brick
     [[push]]                           # a blow at the centre of mass; optional
     brick = 0                          # number of the brick in the file, from 0
     time = 5.0                         # s
     impulse = [0.01, 0.0, 0.0]         # N s
-    [[pull]]                           # a pull at a given velocity, after which the brick is taken away; optional
+    [[pull]]                           # a pull at a given velocity, then the removal of the brick; optional
     brick = 1
     time = 5.0                         # s
     velocity = [0.1, 0.0]              # m/s
@@ -37,8 +37,8 @@
 Bricks must touch their support to within 0.2 mm, and must not overlap. The module shifts the bricks of one time along
 z, as one group, so that the group touches its support exactly. The module also finds the level of each brick. A brick
 on the ground has level 1. Every other brick is one level above the highest brick that it stands on or leans against.
-Bricks of one time that form several levels are a prebuilt stack: the scene places the stack without a gap, and does not
-drop the stack from ``CLEARANCE``.
+Bricks of one time that form several levels are a prebuilt stack. The scene places a prebuilt stack without a gap, and
+does not drop the stack from ``CLEARANCE``.
 
 Three parameters change the whole scene:
 
@@ -49,14 +49,15 @@ Three parameters change the whole scene:
 The outcome must not depend on these parameters, because statics does not depend on them. For a ``size`` above 1 all
 times grow by sqrt(``size``), including ``watch_s``, because falls take longer by this factor.
 
-Theory: ``scenarios.statics.truth.first_fall``, under both conventions for the normal at a ridge. The scene is a study
+Theory: ``scenarios.statics.truth.first_fall`` gives the outcome, under both conventions for the normal at a ridge. The
+scene is a study
 
 - if the two answers differ;
 - if statics finds no proof;
 - if the file has a push or a pull;
 - if the file has more than ``MOST_JUDGED`` bricks.
 
-Statics ignores energy. Keep the deciding quantity at least 5 % away from its limit.
+Keep the deciding quantity at least 5 % away from its limit, because statics ignores energy.
 """
 
 from __future__ import annotations
@@ -126,7 +127,7 @@ def own_scene(
     except (OSError, UnicodeDecodeError) as error:
         examples = ", ".join(sorted(example.name for example in EXAMPLES.iterdir() if example.suffix in suffixes))
         raise ValueError(
-            f"{file}: cannot be read ({error}); give the path of a readable file, or the name of an example: {examples}"
+            f"{file}: cannot read this file ({error}); give the path of a readable file, or an example: {examples}"
         ) from error
     try:
         return _scene(file, path, text, hashlib.blake2b(content).hexdigest()[:8], size, mass, yaw)
@@ -141,8 +142,8 @@ def _scene(file: str, path: Path, text: str, digest: str, size: float, mass: flo
     The scene's id includes the digest of the content, so that a changed file is another scene.
 
     Args:
-        file: the file as the user names it.
-        path: its path.
+        file: the path or name that the user gives.
+        path: path of the file.
         text: the content of a TOML file; empty for other formats.
         digest: digest of the content.
         size: factor on lengths.

@@ -5,18 +5,19 @@ a = 45 deg, because the bar's section is square. A wedge is half a bar, with its
 
 - Across the groove the two normal forces N balance the weight's component normal to the groove's length:
   2 N cos(a) = W cos(t).
-- Along the groove friction must balance the weight's component along the groove: 2 mu N >= W sin(t).
+- Along the groove friction, with the coefficient mu, must balance the weight's component along the groove:
+  2 mu N >= W sin(t).
 - Therefore the body stands if mu >= k = tan(t) cos(a). The groove makes friction 1 / cos(a) = 1.41 times as strong.
 - Friction across the groove may keep a body wedged after a force has pressed the body into the groove, and adds to N.
   At best this wedging lowers the limit to k / sqrt(1 + k^2 tan(a)^2), by 3 % here. Below this lower limit no forces
   hold the body.
 
-Some engines replace the friction cone by a box: DART always, Bullet and PhysX for a bar at rest. If no axis of the box
-points down the slope of a side, friction is up to sqrt(2) times as strong. Therefore the default margin is 0.35: within
-29 % beyond the limit the outcome depends on an engine's law of friction.
+Some engines replace the friction cone by a box: DART for every body, Bullet and PhysX for a bar at rest. If no axis of
+the box points down the slope of a side, friction is up to sqrt(2) times as strong. Therefore the default margin is
+0.35: within 29 % beyond the limit the outcome depends on an engine's law of friction.
 
 Look for: the normals of the two contacts with fixed boxes differ by a right angle. A rule that merges both contacts
-into one contact treats the groove as a flat floor, and lets the bar slide or stand at the wrong tilt.
+into one contact treats the groove as a flat floor. Then the bar slides or stands at the wrong tilt.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ mass of all cubes above the joint lies beyond the edge of cube k:
 Equal cubes tip at the topmost joint, growing cubes at a lower joint.
 
 Look for: an iterative solver passes a load on by one cube in each iteration. Therefore the light cubes at the bottom
-sink, or the load squeezes them out. For an exact solver the ratio of masses makes no difference.
+sink, or the load squeezes these cubes out. For an exact solver the ratio of masses makes no difference.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
 """The harmonic overhang: planks at a table's edge, each with the greatest possible overhang beyond the plank below.
 
-Theory: the k-th plank from the top, of length L, may reach L / (2 k) beyond the plank below, and the lowest plank
-beyond the table. Then, for every k, the centre of mass of the upper k planks lies just above the edge that carries
-these planks. If all offsets are smaller by a share s, the centre lies s L / 2 inside every edge. If all offsets are
-larger by a share s, the centre lies s L / 2 outside every edge. Before the last placement, the planks are farther from
-their limits.
+Theory: the k-th plank from the top, of length L, may reach L / (2 k) beyond the plank below. For the lowest plank, the
+table is the body below. Then, for every k, the centre of mass of the upper k planks lies just above the edge that
+carries these planks. If all offsets are smaller by a share s, the centre lies s L / 2 inside every edge. If all offsets
+are larger by a share s, the centre lies s L / 2 outside every edge. Before the last placement, the planks are farther
+from their limits.
 
 Look for: the planks tip together or not at all, because all joints reach their limit at once. The topmost plank reaches
 out by L (1 + 1/2 + 1/3 ...) / 2. A tower that settles by some tenths of a millimetre leans outward, and falls early.

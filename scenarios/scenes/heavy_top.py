@@ -2,10 +2,11 @@
 
 Theory: weight only presses a stack together. In a pyramid every cube passes its load to its two supports in equal
 halves, so that nothing turns under a cap of any weight. In a column the upper cube tips if its offset exceeds half an
-edge, because its centre then lies beyond the edge of the lower cube.
+edge. Then its centre lies beyond the edge of the lower cube.
 
 Look for: an iterative solver passes a load on by one cube in each iteration, in shares of the cubes' own masses.
-Therefore light cubes sink, or the load squeezes them out. For an exact solver the ratio of masses makes no difference.
+Therefore light cubes sink, or the load squeezes these cubes out. For an exact solver the ratio of masses makes no
+difference.
 """
 
 from __future__ import annotations

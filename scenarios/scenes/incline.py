@@ -1,19 +1,19 @@
 """A tile on a ramp, held by friction.
 
-Theory: the tile slides if tan(theta) > mu, at any mass.
+Theory: on a ramp at the angle theta the tile slides if tan(theta) exceeds the coefficient of friction mu, at any mass.
 
 - The ramp is a heavy slab that stands on its lower edge and leans on a heavy block's edge. The slab itself needs less
-  than two thirds of the tile's friction (exact statics), because most of the slab's weight presses on the ground and on
-  the block's edge.
+  than two thirds of the tile's friction (exact statics). The reason is that the ground and the block's edge carry most
+  of the slab's weight.
 - On the lower half of the ramp, the tile's centre is lower than the ramp's centre, although the tile lies on the ramp.
 - Neither the heading of the ramp nor a turn of the tile changes the limit, because Coulomb's law has no preferred
   direction.
 - A solver that bounds friction separately along two tangents (a box in place of the cone) allows up to sqrt(2) times
-  the friction along the diagonal. A heading of 45 deg reveals tangents that follow the world, a turn of 45 deg reveals
-  tangents that follow the tile.
+  the friction along the diagonal. A heading of 45 deg reveals tangents that follow the world, and a turn of 45 deg
+  reveals tangents that follow the tile.
 
 Look for: a tile that creeps down at mu just above tan(theta) shows a solver's soft friction. If a tile sticks at mu
-just below tan(theta), a rule froze the tile on landing.
+just below tan(theta), a rule may have frozen the tile on landing.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Jenga: three planks a level, each level across the level below; then the scene takes two planks from some levels.
+"""Jenga: three planks a level, each level across the level below. Then the scene takes two planks from some levels.
 
 Theory: a robbed level is a level that loses two planks. The part above a robbed level has its centre of mass over the
 tower's middle.
@@ -11,11 +11,11 @@ tower's middle.
   level.
 
 The scene removes planks at once, or pulls planks out slowly along their length. A pulled plank drags the tower with mu
-times the load on this plank. The remaining planks of the level hold the tower with mu times their loads. Their loads
-are larger in both cases: of three planks the pulled plank bears a third of the load; of two planks the pulled side
-plank bears at most 11.7 / 25.4 of the middle plank's load.
+times the load on this plank (mu: coefficient of friction). The remaining planks of the level hold the tower with mu
+times their loads. Their loads are larger in both cases. Of three planks the pulled plank bears a third of the load. Of
+two planks the pulled side plank bears at most 11.7 / 25.4 of the middle plank's load.
 
-Look for: whether, after the last removal, the tower turns over about the remaining plank, in one piece.
+Look for: a tower that falls after the last removal should turn over about the remaining plank, in one piece.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from scenarios.planks import LENGTH, MU, THICKNESS, WIDTH, box, one_a_second
 from scenarios.scenario import Plan, scenario
 
 LOWEST = 2
-"""Lowest level from which planks are removed."""
+"""Lowest level from which the scene removes planks."""
 TALL = 3
 """Height of a robbed level's planks in thicknesses of a plank, which leaves room to fall."""
 PAUSE_S = 1.0
@@ -49,7 +49,7 @@ def jenga(
     speed: Annotated[float, Real(0, 1)] = 0.0,
     gap: Gap = 2.0,
 ) -> Plan:
-    """Build levels of three planks, each across the level below; then take two planks from one or more levels.
+    """Build levels of three planks, each across the level below, then take two planks from one or more levels.
 
     Args:
         levels: number of levels, of three planks each.

@@ -1,11 +1,11 @@
 """Two planks that lean against each other, at rest: an inverted V without a gap.
 
 Theory (see ``card_house``), for planks of length L and thickness t. If the ridge's normal is horizontal (*bisector*),
-only the feet need friction: (cot(theta) - t / L) / 2. If an engine reports the normal of a plank's face at the ridge
-(*face*), the ridge needs the friction cot(theta).
+only the feet need friction: a coefficient of (cot(theta) - t / L) / 2. If an engine reports the normal of a plank's
+face at the ridge (*face*), the ridge needs the coefficient cot(theta).
 
-Look for: the least angle at which the pair holds. A bisection of ``theta`` (study ``thresholds``) finds the
-engine's own limit, which measures the quality of its contacts at the ridge.
+Look for: the least angle at which the pair holds. A bisection of ``theta`` (study ``thresholds``) finds the engine's
+own limit. This limit measures the quality of the engine's contacts at the ridge.
 """
 
 from __future__ import annotations

@@ -1,10 +1,11 @@
 """The paper's leaning tower: flat planks, each with the same offset d along x from the plank below.
 
 Theory, for n planks of length L: the centre of mass of the n - 1 upper planks lies n d / 2 from the middle of the
-lowest plank, and its edge lies at L / 2. Therefore the tower falls if n d > L. Upper parts are safer, because they have
-fewer planks. At exactly n d = L the tower balances on the edge. Within 5 % of this limit the scene has no known answer,
-because the energy of placing a plank decides. The default ratio L / d = 8.5 lies half-way between two limits: with
-eight planks the centre of mass lies 3.4 mm inside the edge, and with nine planks 3.4 mm beyond the edge.
+lowest plank. The edge of the lowest plank lies L / 2 from this middle. Therefore the tower falls if n d > L. Upper
+parts are safer, because they have fewer planks. At exactly n d = L the tower balances on the edge. Within 5 % of this
+limit the scene has no known answer, because the energy of placing a plank decides. The default ratio L / d = 8.5 lies
+half-way between two limits. With eight planks the centre of mass lies 3.4 mm inside the edge, and with nine planks 3.4
+mm beyond the edge.
 
 Look for: a real tower turns about the edge of its lowest plank and stays whole until it strikes the ground. A tower
 that stands at ten levels is a false stand. A tower that falls early has slid or sunk.

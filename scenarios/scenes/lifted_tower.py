@@ -1,10 +1,11 @@
 """A tower of planks on a platform that lifts the tower and then tilts it.
 
 Theory: a lift that accelerates downward at less than g carries its bricks. On a slope of angle a, a plank holds while
-tan a <= mu, under any load. Below the friction angle of 24.2 deg the tower stands, and above this angle the planks
-slide. The tower cannot tip, because the planks lie along the slope, and the tower is much longer than high.
+tan a <= mu, the coefficient of friction, under any load. Below the friction angle of 24.2 deg the tower stands, and
+above this angle the planks slide. The tower does not tip, because the planks lie along the slope, and the tower is much
+longer than high.
 
-Look for: a frozen stack must travel with the platform, and must react to its tilt.
+Look for: a frozen stack must travel with the platform, and must react to the platform's tilt.
 """
 
 from __future__ import annotations

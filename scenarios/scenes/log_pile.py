@@ -4,16 +4,16 @@ Theory, for rows of r, r - 1, ... 1 equal cylinders of weight W that touch each 
 
 - Between stops normal forces alone hold the pile. Each row's load passes down at 30 deg to the vertical. The stops take
   the horizontal part, at most tan(30 deg) / 2 of the weight of all cylinders. A stop is three times as heavy as all
-  cylinders together. Therefore friction below the stop balances this force if mu > 0.096.
+  cylinders together. Therefore friction below the stop balances this force if the coefficient mu exceeds 0.096.
 - Two rows without stops: the upper cylinder's force on a lower cylinder must pass through the lower cylinder's line of
   contact with the ground. This force leans by 15 deg to the contact's normal. Therefore the pile opens if
-  mu < tan(15 deg) = 0.268. Above this limit friction balances the pile on level ground, but nothing resists one motion:
-  the lower cylinders roll forward, and the upper cylinder turns backward like a gear. On the least slope the pile rolls
-  away. Therefore the scene is a study.
+  mu < tan(15 deg) = 0.268. Above this limit friction balances the pile on level ground. But one motion meets no
+  resistance: the lower cylinders roll forward, and the upper cylinder turns backward like a gear. On the least slope
+  the pile rolls away. Therefore the scene is a study.
 - Three rows and more without stops open below tan(15 deg) too, because the upper rows only add load. Above this limit
   the scene is a study, because the answer depends on the stiffness of the contacts.
 
-Look for: contacts along lines. If the cylinders of an engine touch in one point only, they can turn about the vertical.
+Look for: contacts along lines. Cylinders that touch in one point only can turn about the vertical.
 """
 
 from __future__ import annotations

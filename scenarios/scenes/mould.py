@@ -1,12 +1,13 @@
-"""Bricks poured between four walls; then the scene removes the walls.
+"""Bricks poured between four walls. Then the scene removes the walls.
 
-After S.-W. Hsu, J. Keyser, "Automated constraint placement to maintain pile shape", ACM Transactions on Graphics 31(6),
-2012: a pile in an arbitrary shape, set by the user, collapses without help; constraints between its objects keep it.
+The scene follows S.-W. Hsu, J. Keyser, "Automated constraint placement to maintain pile shape", ACM Transactions on
+Graphics 31(6), 2012. In this paper a user gives a pile an arbitrary shape, and constraints between the objects keep the
+shape. Without constraints the pile collapses.
 
-Theory gives no outcome. The walls hold a block of loose bricks. The block's sides are steeper than any pile. Without
-the walls, friction holds only a slope of atan(mu), and interlocked bricks hold a somewhat steeper slope. Therefore most
-of the block flows apart. With ``strike``, the scene strikes a brick inside the block sideways. A method that keeps the
-shape must also let this brick go.
+Theory gives no outcome. The walls hold a block of loose bricks. The block's sides are steeper than a pile can be.
+Without the walls, friction with the coefficient mu holds only a slope of atan(mu), and interlocked bricks hold a
+somewhat steeper slope. Therefore most of the block flows apart. With ``strike``, the scene strikes a brick inside the
+block sideways. A method that keeps the shape must also let this brick go.
 
 Look for: the part of the block that remains without the walls, and the part that moves with the struck brick.
 """
@@ -47,7 +48,7 @@ def mould(
     friction: Friction = MU,
     draw: Annotated[int, Whole(0, 10**9)] = 1,
 ) -> Plan:
-    """Pour bricks between four walls, remove the walls, and perhaps strike a brick.
+    """Pour bricks between four walls, remove the walls, and optionally strike a brick.
 
     Args:
         bricks: number of bricks.
@@ -79,7 +80,7 @@ def mould(
 
 
 def _walls(side: float, height: float) -> list[Brick]:
-    """Return four walls around a square of ``side`` [m], each beside the end of the next, without touching it."""
+    """Return four walls around a square of ``side`` [m], each beside the end of the next wall, without contact."""
     middle, length = (side + WALL) / 2, side + WALL - 2e-3
     size = (length, WALL, height)
     mass = math.prod(size) * DENSITY

@@ -1,16 +1,16 @@
-"""A brick that overhangs its pedestal and touches a heavy neighbour; then the scene removes the brick's counterweight.
+"""A brick that overhangs its pedestal and touches a heavy neighbour. Then the scene removes the brick's counterweight.
 
 Theory: alone, the brick stands if its centre of mass is above the pedestal. The brick tips about the pedestal's edge if
 the centre is beyond the edge. The margin is the distance of the centre from the edge, inward, over half the brick's
 length.
 
-The neighbour touches the brick's inner end, but cannot hold the brick. Take the edge as origin. When the brick begins
-to turn about the edge by an angle w, a point (-a, z) of its inner end moves by (w z, w a): up, and away from the
-neighbour. Therefore the neighbour never presses on the brick, and without pressure there is no friction.
+The neighbour touches the brick's inner end, but cannot hold the brick. Take the edge as origin. The brick begins to
+turn about the edge, by a small angle w. A point (-a, z) of its inner end moves by (w z, w a): up, and away from the
+neighbour. Therefore the neighbour does not press on the brick, and without pressure there is no friction.
 
 Coulomb forces that would hold the brick do exist: the brick and the pedestal could squeeze the neighbour. Friction at
-the sides would then balance an overhang of up to mu^2 L / 2, with the brick's length L (margin -0.2). These forces need
-prestress, and nothing supplies this prestress.
+the sides would then balance an overhang of up to mu^2 L / 2 (margin -0.2), with the coefficient of friction mu and the
+brick's length L. These forces need prestress, and nothing supplies this prestress.
 
 Look for: if a brick stays in the air without its counterweight, friction at an unloaded contact holds the brick.
 """
@@ -41,7 +41,7 @@ PAUSE_S = 2.0
 
 @scenario
 def neighbour_side(*, margin: Annotated[float, Real(-0.25, 0.25)] = 0.15, gap: Gap = 0.0, scale: Scale = 2.0) -> Plan:
-    """Build a brick that overhangs its pedestal beside a heavy neighbour; then remove its counterweight.
+    """Build a brick that overhangs its pedestal beside a heavy neighbour, then remove its counterweight.
 
     Args:
         margin: distance of the brick's middle inside the pedestal's edge, over half the brick's length; negative if the

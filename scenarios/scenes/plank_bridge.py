@@ -5,11 +5,11 @@ Theory:
 - An outer plank of mass m and length L has its middle 0.2 L behind the pier's edge, and its tip 0.3 L beyond the edge.
 - The middle plank, of mass k, overlaps each outer plank by 0.1 L. At best half its weight acts 0.2 L beyond the edge.
 - Moments about an edge show that the bridge stands while k / 2 < m.
-- Friction below the middle plank may push each outer plank outward with the force mu g k / 2, a thickness t above the
-  edge. This force shortens the arm of 0.2 L by mu t. The scene has a known answer if the bridge stands without this
-  friction, or falls in spite of it.
+- Friction below the middle plank, with the coefficient mu, may push each outer plank outward. The force is mu g k / 2,
+  and acts a thickness t above the edge. This force shortens the arm of 0.2 L by mu t. The scene has a known answer if
+  the bridge stands without this friction, or falls in spite of it.
 
-The two outer planks are mirror images. The scene places both together.
+The two outer planks are mirror images. The scene places both outer planks together.
 
 Look for: both outer planks tip at once, and the middle plank drops between them. Each outer plank alone stands easily.
 """
@@ -42,7 +42,7 @@ def plank_bridge(*, margin: Margin = 0.3, scale: Scale = 2.5) -> Plan:
 
     Args:
         margin: share by which the middle plank is lighter than the limit without friction; if negative, share by which
-            the middle plank is heavier than the limit with friction.
+            it is heavier than the limit with friction.
         scale: factor on all lengths, relative to the standard plank.
     """
     length, width, thickness, mass = plank_of(scale)

@@ -1,7 +1,7 @@
 """Flat planks straight above each other: the simplest stack.
 
-Theory: the centre of mass of any upper part lies over the middle of the plank below, 58.5 mm from the nearest edge
-along x and 11.7 mm from the nearest edge across. The tower stands at any height.
+Theory: the centre of mass of any upper part lies over the middle of the plank below. The nearest edge is 58.5 mm away
+along x, and 11.7 mm across. The tower stands at any height.
 
 Look for: the tower sinks. At the top the sinking is visible even if each level sinks by only a tenth of a millimetre.
 Then the tower sways slowly. If a solver does not converge over 26 contacts, the swaying grows until the tower topples.

@@ -5,8 +5,8 @@ Theory gives no outcome, because dynamics decide where a brick comes to rest. Me
 - the time until the pile is at rest;
 - the sinking and the creep of the pile at rest;
 - the time of a frame, and the number of bricks awake;
-- the height and the slope of the pile. Friction alone holds a slope of atan(mu), and interlocked bricks hold a steeper
-  slope. Therefore a flatter pile shows that bricks have slipped.
+- the height and the slope of the pile. Friction alone, with the coefficient mu, holds a slope of atan(mu), and
+  interlocked bricks hold a steeper slope. Therefore a flatter pile shows that bricks have slipped.
 
 Look for: the pile should come to rest, and a landing brick should wake only the bricks that it moves.
 """
@@ -47,8 +47,8 @@ def poured_pile(
         height: release height [mm] above the pile.
         friction: Coulomb coefficient of every pair.
         draw: number from which all random poses follow; each number gives another pile.
-        line: length of the line along x over which the scene releases the bricks, as a multiple of a brick's longest
-            edge; 0 for a single place.
+        line: length of the line along x over which the scene releases the bricks, over a brick's longest edge; 0 for a
+            single place.
         pace: number of bricks that the scene releases each second.
     """
     reach = line * max(SIZE) / 2

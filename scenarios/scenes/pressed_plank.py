@@ -1,9 +1,10 @@
 """A tower, and a steady force on the topmost plank, along the plank's length.
 
-Theory: friction holds the plank, of mass m, while the force is below mu m g. Under a larger force the plank slides off,
-and drags the tower below with mu m g. Only the pressed plank moves, because the tower's own friction exceeds this drag.
+Theory: friction with the coefficient mu holds the plank, of mass m, while the force is below mu m g. Under a larger
+force the plank slides off, and drags the tower below with mu m g. Only the pressed plank moves, because the tower's own
+friction exceeds this drag.
 
-Look for: only the pressed plank may move, and it must move as soon as the force exceeds its friction.
+Look for: only the pressed plank may move. The plank must move as soon as the force exceeds its friction.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ def pressed_plank(*, force: Annotated[float, Real(0.01, 10)] = 1.5, levels: Anno
     """Press the topmost plank of a tower steadily along its length.
 
     Args:
-        force: ratio of the force to mu m g, the greatest friction that holds the plank.
+        force: ratio of the force to the greatest friction that holds the plank.
         levels: number of planks.
     """
     actions: tuple[Action, ...] = one_a_second([lay(0.0, level=level)] for level in range(1, levels + 1))

@@ -1,4 +1,4 @@
-"""A block on a prop, between two fixed walls that touch the block; then the scene removes the prop.
+"""A block on a prop, between two fixed walls that touch the block. Then the scene removes the prop.
 
 Theory: friction at the walls carries no weight, because the walls touch the block without pressure. Without its prop
 the block falls freely, at any coefficient of friction. In the partner scene the block then stands on two ledges, one at
@@ -35,7 +35,7 @@ PAUSE_S = 2.0
 def prop_between_walls(
     *, carried: Annotated[str, Choice("ledges", "nothing")] = "ledges", friction: Friction = 0.2, gap: Gap = 0.0
 ) -> Plan:
-    """Build a block on a prop, between two fixed walls that touch the block; then remove the prop.
+    """Build a block on a prop, between two fixed walls that touch the block, then remove the prop.
 
     Args:
         carried: support of the block after the removal, "nothing" or "ledges".

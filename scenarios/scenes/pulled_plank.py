@@ -1,14 +1,15 @@
 """A tower, and a slow or fast pull that draws a plank out along its length.
 
-Theory: the pulled plank drags the planks above (the upper part) with mu times their weight, at any speed.
+Theory: the pulled plank drags the plank above (the upper part) with mu times its weight, at any speed (mu: coefficient
+of friction).
 
 - Slow pull: the upper part travels along, because it rests on nothing else.
-- Fast pull: for a plank of length L and the speed v, the drag lasts only for T = L / v, and moves the upper part by
-  mu g T^2 / 2: 30 mm at 1 m/s, 1.2 mm at 5 m/s. Then the upper part drops by a thickness.
+- Fast pull: for a plank of length L and the speed v, the drag lasts only for the time T = L / v. The drag moves the
+  upper part by mu g T^2 / 2: by 30 mm at 1 m/s, by 1.2 mm at 5 m/s. Then the upper part drops by a thickness.
 
 The scene is a study, because statics does not decide how the upper part lands.
 
-Look for: in a slow pull the upper part travels with the plank; above some speed the upper part stays behind and drops.
+Look for: in a slow pull the upper part travels with the plank. Above some speed the upper part stays behind and drops.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ WAY = 1.2 * LENGTH
 
 @dynamic_scenario
 def pulled_plank(*, speed: Annotated[float, Real(0.01, 20)] = 0.1, levels: Annotated[int, Whole(3, 100)] = 4) -> Plan:
-    """Pull the last plank but one out of a tower, along its length.
+    """Pull the plank below the topmost plank out of a tower, along its length.
 
     Args:
         speed: speed of the pull [m/s].

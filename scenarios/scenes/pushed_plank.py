@@ -1,8 +1,8 @@
 """A tower, and a blow on the topmost plank, along the plank's length.
 
-Theory: an impulse J gives a plank of mass m the speed J / m. Friction stops the plank after s = (J / m)^2 / (2 mu g),
-and drags the tower below with at most mu m g. Only the struck plank moves, because the tower's own friction exceeds
-this drag. The plank counts as out of place once it has moved by its thickness:
+Theory: an impulse J gives a plank of mass m the speed J / m. Friction with the coefficient mu stops the plank after the
+distance s = (J / m)^2 / (2 mu g), and drags the tower below with at most mu m g. Only the struck plank moves, because
+the tower's own friction exceeds this drag. The plank counts as out of place once it has moved by its thickness:
 
 - s of half a thickness: the stack stands;
 - s well above a thickness: the plank has slid;

@@ -1,10 +1,10 @@
 """A tower of planks: the middle of each plank lies at a random place between the ends of the plank below.
 
-Theory, for planks of length L, thickness t and mass m: a tower stands if each plank lies below the centre of mass of
-all planks above. Two planks always stand. The third plank tips the second plank if the offsets u2 and u3 satisfy
-|u2 + u3 / 2| > L / 2, with the probability 1/8. On average a tower falls at its 7.11th plank.
+Theory, for planks of length L, thickness t and mass m: each plank must lie below the centre of mass of all planks
+above, or the tower falls. Two planks stand in every draw. The third plank tips the second plank if the offsets u2 and
+u3 satisfy |u2 + u3 / 2| > L / 2, with the probability 1/8. On average a tower falls at its 7.11th plank.
 
-Each draw is a tower with a known answer, unless a centre of mass lies near an edge, because then the energy of placing
+Each draw is a tower with a known answer, unless a centre of mass lies near an edge. Near an edge the energy of placing
 a plank may decide. At the distance e from the edge, k planks tip with the energy k m g e^2 / (k t). This energy exceeds
 ten times the energy of placing a plank if e > sqrt(10 t c) = 6.2 mm, with the release height c.
 

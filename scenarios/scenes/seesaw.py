@@ -1,9 +1,9 @@
 """A tilted plank that lies on two fixed edges, and a heavy block on its lower half.
 
-Theory: moments about the lower edge, in horizontal distances. The plank has the mass m, and its middle lies at the
-distance p from the lower edge, toward the upper edge. A block of mass M at the distance b on the opposite side tips the
-plank if M b > m p. Here the plank tips, because M b = 3.6 m p. A block between the edges presses on both edges. This
-stack stands, because tan(15 deg) = 0.27 is less than the coefficient of friction, 0.45.
+Theory: moments about the lower edge decide. All distances are horizontal. The plank has the mass m, and its middle lies
+at the distance p from the lower edge, toward the upper edge. A block of mass M at the distance b on the opposite side
+tips the plank if M b > m p. Here the plank tips, because M b = 3.6 m p. A block between the edges presses on both
+edges. Then the stack stands, because tan(15 deg) = 0.27 is less than the coefficient of friction, 0.45.
 
 Look for: the block lies on the plank, although the block's centre is lower than the plank's centre. A rule that
 compares the heights of the centres concludes that the block carries the plank.

@@ -1,4 +1,4 @@
-"""A block at rest on a fixed slope, placed without a gap: it stands, slides, or tips over its lower edge.
+"""A block at rest on a fixed slope, placed without a gap, which stands, slides, or tips over its lower edge.
 
 Theory: with angle theta, friction mu and a ratio r of height over width
 
@@ -7,8 +7,8 @@ Theory: with angle theta, friction mu and a ratio r of height over width
 
 The block does not drop, so that contact and friction alone decide.
 
-Look for: each engine has its own limits: the least friction and the greatest ratio with which the block stands. A
-bisection finds these limits (study ``thresholds``).
+Look for: each engine has its own least friction and its own greatest ratio with which the block stands. A bisection
+finds these limits (study ``thresholds``).
 """
 
 from __future__ import annotations

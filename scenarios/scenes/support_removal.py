@@ -1,12 +1,12 @@
 """A stack that stands until the scene removes a load on top or a support below.
 
-Theory: exact statics of the remaining bricks (``scenarios.statics.truth``). After the removal of a support, a brick has
-lost the support under one side of its centre of mass, or the partner against which it leaned.
+Theory: exact statics of the remaining bricks (``scenarios.statics.truth``) gives the outcome. After the removal of a
+support, a brick lacks the support under one side of its centre of mass, or its leaning partner.
 
 - In the stack ``two_blocks``, the upper cube drops straight down after the removal of the lower cube. The upper cube
-  stays upright, and in place as seen from above.
+  stays upright, and keeps its place in plan (seen from above).
 - Flat stacks stand on tall pedestals, one below each brick of the lowest level. The scene removes a pedestal, so that a
-  brick falls far enough to be seen, and not just by a thickness onto the next brick.
+  brick visibly falls, by more than a thickness onto the next brick.
 
 Look for: an engine may leave sleeping bricks in the air after the removal of their support. The bricks on the removed
 support must fall, and no other bricks.
@@ -70,12 +70,12 @@ def robbed_stack(
     gap: Gap = 2.0,
     pause: Annotated[float, Real(1, 100)] = PAUSE_S,
 ) -> Plan:
-    """Build a stack that stands; then remove the topmost load, or a support of the lowest level.
+    """Build a stack that stands, then remove the topmost load, or a support of the lowest level.
 
     Args:
         stack: name of the stack, a key of ``STACKS``.
         taken: brick that the scene removes, "load" or "support".
-        gap: distance between neighbours of a level [mm], for stacks that have neighbours; at 0 neighbours touch.
+        gap: distance between neighbours of a level [mm], for stacks with neighbours; at 0 neighbours touch.
         pause: time from the last placement to the removal [s]. An engine puts bricks to sleep after some seconds at
             rest.
     """
@@ -107,7 +107,7 @@ def robbed_stack(
 
 
 def _two_blocks() -> Scene:
-    """Return one cube on another: without the lower cube, the upper cube drops straight down."""
+    """Return a cube on a second cube: without the lower cube, the upper cube drops straight down."""
     blocks = [box((EDGE, EDGE, EDGE), 0.0, level=level, bottom=(level - 1) * EDGE, mass=1.0) for level in (1, 2)]
     return Scene(
         scenario="two_blocks",

@@ -20,7 +20,7 @@ from scenarios.planks import MU, box, one_a_second, plank_of
 from scenarios.scenario import Plan, scenario
 
 HEIGHT = 3.0
-"""Height of the legs in thicknesses of a plank, which leaves room to tip, but too little for a leg to be knocked
+"""Height of the legs in thicknesses of a plank, which leaves room to tip, but too little room for a leg to fall
 over."""
 FOOT = 0.2
 """Edge of a leg's square foot, in lengths of the plate; with two legs, the foot's edge along x."""

@@ -1,16 +1,18 @@
 """A prebuilt stack on ground that tilts until a brick moves: gravity turns, at 0.1 deg/s near the exact angle.
 
-Theory, for planks of length L, width b and thickness t, with mu = 0.45 and leaning planks at theta = 72 deg:
+Theory, for planks of length L, width b and thickness t, with the coefficient of friction mu = 0.45 and leaning planks
+at theta = 72 deg:
 
 - Column of 10 planks, slope along the planks: the column slides at atan(mu) = 24.228 deg.
 - Column of 10 planks, slope across the planks: the column tips at atan(b / 10 t) = 16.699 deg.
-- V, slope along the planks: moments about both feet give the horizontal part h and the vertical part v of the ridge's
-  force, because the forces at feet and ridge are statically determinate. At a slope a,
+- V, slope along the planks: the forces at feet and ridge are statically determinate. Moments about both feet give the
+  horizontal part h and the vertical part v of the ridge's force. At a slope a,
   v / h = tan(a) sin(theta) (L sin(theta) + t cos(theta)) / (cos(theta) (L cos(theta) - t sin(theta))). If the ridge's
   normal is the bisector, which is horizontal, the ridge slips at v / h = mu: 2.117 deg. If the normal is a plank's face
-  normal, the ridge slips at v / h = tan(atan(mu) +- (90 deg - theta)): 4.263 and 0.513 deg for the two planks.
-- V and card house of three storeys, slope across the planks: the stack tips at atan(b / 2 z), with the height z of its
-  centre of mass: 11.631 deg and 4.714 deg.
+  normal, the ridge slips at 4.263 deg or at 0.513 deg, depending on the plank. There v / h is
+  tan(atan(mu) +- (90 deg - theta)).
+- V and card house of three storeys, slope across the planks: the stack tips at atan(b / 2 z), where z is the height of
+  its centre of mass. The angles are 11.631 deg and 4.714 deg.
 - Card house, slope along the planks: the top V slips first, at the angles of the V alone.
 
 Look for: the onset, at which a brick has moved by 1 % of its thickness or turned by 0.5 deg. The harness measures the

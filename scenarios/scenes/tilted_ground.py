@@ -1,8 +1,8 @@
 """A tower of planks on ground that tilts: gravity turns, in the frame of the ground.
 
-Theory: on a slope of angle a, planks hold while tan a <= mu, under any load. Below the friction angle of 24.2 deg the
-tower stands, and above this angle the planks slide. The tower cannot tip, because the planks lie along the slope, and
-the tower is much longer than high.
+Theory: on a slope of angle a, planks hold while tan a <= mu, the coefficient of friction, under any load. Below the
+friction angle of 24.2 deg the tower stands, and above this angle the planks slide. The tower does not tip, because the
+planks lie along the slope, and the tower is much longer than high.
 
 Look for: a frozen tower must react to the tilt, although no contact changes.
 """

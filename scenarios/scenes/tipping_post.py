@@ -1,7 +1,8 @@
 """A tall post that leans on its lower edge, a little beyond its balance, and falls slowly at first.
 
 Theory: a post of width b, height h and mass m balances on an edge at atan(b / h) = 5.711 deg. The centre of mass lies
-at the distance R = sqrt(b^2 + h^2) / 2 from the edge, and at the angle phi beyond the vertical above the edge:
+at the distance R = sqrt(b^2 + h^2) / 2 from the edge. The angle phi leads from the vertical above the edge to the
+centre:
 
     phi'' = k sin(phi),    k = 3 g / (4 R)          (moment of inertia about the edge: m (b^2 + h^2) / 3)
     t(phi0 -> phi) = (K(n) - F(asin(cos(phi / 2) / cos(phi0 / 2)), n)) / sqrt(k),    n = cos(phi0 / 2)^2

@@ -1,9 +1,9 @@
-"""Planks across a table and a trapdoor; then the door drops away below the planks.
+"""Planks across a table and a trapdoor. Then the door drops away below the planks.
 
 Theory: the door drops faster than in free fall, so that it neither pulls nor pushes the planks. Then only the table
 carries the planks. The planks stand if their centre of mass is above the table.
 
-Look for: a frozen stack on a door must react when the door opens; a stack that does not need the door must stay.
+Look for: a frozen stack on a door must react when the door opens. A stack that does not need the door must stay.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ plank, or an edge that yields, may shift by tenths of a millimetre."""
 
 @dynamic_scenario
 def trapdoor(*, beyond: Annotated[float, Real(-40.0, 40.0)] = 10.0, levels: Annotated[int, Whole(1, 10)] = 3) -> Plan:
-    """Build planks across a table and a trapdoor; then drop the door.
+    """Build planks across a table and a trapdoor, then drop the door.
 
     Args:
         beyond: distance [mm] of the planks' centres beyond the table's edge; negative if the centres are above the

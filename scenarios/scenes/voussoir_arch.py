@@ -1,4 +1,4 @@
-"""A semicircular arch of voussoirs (wedge-shaped stones) on centring (a support); then the scene removes the centring.
+"""A semicircular arch of voussoirs (wedge-shaped stones) on centring (a support). Then the scene removes the centring.
 
 Theory (limit analysis, J. Heyman, "The Stone Skeleton", 1966; discrete voussoirs):
 
@@ -9,12 +9,13 @@ Theory (limit analysis, J. Heyman, "The Stone Skeleton", 1966; discrete voussoir
   H e. An arch with an even number of voussoirs has a joint at the crown too.
 - Bisection finds the least thickness for which H and e exist: 0.1075 of the mean radius for many voussoirs, and less
   for few voussoirs.
-- With many voussoirs no joint slides if mu is above 0.396, and an arch of any thickness slides if mu is below 0.309 (A.
-  Sinopoli, M. Corradi, F. Foce, "Modern formulation for preelastic theories on masonry arches", J. Eng. Mech. 123
-  (1997), 204-213).
+- In an arch of many voussoirs no joint slides if the coefficient of friction exceeds 0.396. If the coefficient is below
+  0.309, this arch slides at any thickness (A. Sinopoli, M. Corradi, F. Foce, "Modern formulation for preelastic
+  theories on masonry arches", J. Eng. Mech. 123 (1997), 204-213).
 
 The centring is a polyhedron, whose facets carry the voussoirs. All bodies drop together onto the ground. The scene
-removes the centring before a policy can freeze the voussoirs, so that the engine moves the arch, not statics.
+removes the centring before a policy can freeze the voussoirs, so that the engine, not a policy, decides whether the
+arch moves.
 
 Look for: an arch that is too thin opens hinges at the crown and at the haunches. With too little friction, voussoirs
 slide at the springing (the foot of the arch).
@@ -44,12 +45,13 @@ RADIUS = 0.3
 DEPTH = 0.1
 """Depth of the arch [m] across its plane, at scale 1."""
 REMOVED_S = 0.1
-"""Time [s] at which the centring is removed: 0.09 s after the bodies have landed, and one frame before a policy that
-waits for 0.1 s of rest can freeze a voussoir."""
+"""Time [s] at which the scene removes the centring: 0.09 s after the bodies have landed, and one frame before a policy
+that waits for 0.1 s of rest can freeze a voussoir."""
 NO_SLIDING = 0.4
 """Coefficient of friction from which no joint slides: 0.396 suffices for many voussoirs."""
 SLIDES = 0.25
-"""Coefficient of friction below which an arch slides at any thickness, less than 0.309 because of few voussoirs."""
+"""Coefficient of friction below which an arch slides at any thickness. The value is less than 0.309, because arches may
+have few voussoirs."""
 THICKEST = 0.5
 """Greatest thickness in which the search for the limit begins, in mean radii."""
 
@@ -63,7 +65,7 @@ def voussoir_arch(
     scale: Scale = 10.0,
     thickness: Annotated[float, Real(0, THICKEST)] = 0.0,
 ) -> Plan:
-    """Build a semicircular arch of voussoirs on centring; then remove the centring.
+    """Build a semicircular arch of voussoirs on centring, then remove the centring.
 
     Args:
         voussoirs: number of voussoirs.
@@ -138,8 +140,8 @@ def _joints(voussoirs: int) -> FloatArray:
 def _sector(low: float, high: float, thickness: float, *, is_cut: bool) -> tuple[float, float]:
     """Return area and centroid x of the section of the voussoir between two angles, for an arch of mean radius 1.
 
-    With ``is_cut`` the function returns the values of the half right of the crown. The section is a trapezoid, because
-    the faces of a voussoir are flat.
+    With ``is_cut`` the function returns the values of the half to the right of the crown. The section is a trapezoid,
+    because the faces of a voussoir are flat.
     """
     inner, outer = 1 - thickness / 2, 1 + thickness / 2
     corners = [(inner, low), (outer, low), (outer, high), (inner, high)]
@@ -180,7 +182,7 @@ def _centring(voussoirs: int, thickness: float, scale: float) -> Brick:
 
 
 def _in_plane(corners: Sequence[Vector], quaternion: Quaternion, level: int) -> Brick:
-    """Return the convex hull of corners, with its centre of mass exactly in the plane of the arch."""
+    """Return the convex hull of corners as a brick, with its centre of mass exactly in the plane of the arch."""
     stone = polyhedron(corners, position=(0.0, 0.0, 0.0), quaternion=quaternion, density=DENSITY, level=level)
     x, _, z = stone.position
     return replace(stone, position=(x, 0.0, z))

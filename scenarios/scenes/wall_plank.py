@@ -1,7 +1,8 @@
 """A plank that leans against a wall, with its foot on the ground; two, three or four bodies hold the plank.
 
 Theory: the foot is the origin, the upper contact lies at (X, Y), and the centre of mass at x_c. At the limit both
-contacts are about to slip. With the ground's normal force n, the wall pushes with N = mu n, and carries mu N:
+contacts begin to slip. The ground's normal force is n, and the coefficient of friction is mu. The wall pushes with
+N = mu n, and carries mu N:
 
     n (1 + mu^2) = weight                        vertical forces
     x_c (1 + mu^2) = mu Y + mu^2 X               moments about the foot
@@ -9,9 +10,9 @@ contacts are about to slip. With the ground's normal force n, the wall pushes wi
 
 At both ends an edge meets a single face. Therefore every engine and every convention agrees on the normals.
 
-Parameters split the wall vertically, so that each half holds a corner of the plank, and the ground into two tiles. In
-theory the split changes nothing. But more than two bodies then hold the plank, and the paper's rule allows only two
-bodies.
+The parameter ``held_by`` splits the wall into two halves, and the ground into two tiles. Each half of the wall then
+holds a corner of the plank. In theory the split changes nothing. But more than two bodies then hold the plank, and the
+paper's rule allows only two bodies.
 
 Look for: the foot slips, and the plank slides down the wall. A plank that stays at rest with less friction than the
 limit is a false stand.
@@ -47,8 +48,8 @@ def wall_plank(
     """Build a plank that leans against a wall.
 
     Args:
-        held_by: number of bodies that hold the plank: 2 for ground and wall, 3 for ground and two halves of the wall, 4
-            for two halves of each.
+        held_by: number of bodies that hold the plank: 2 for ground and wall, 3 for the ground and two halves of the
+            wall, 4 for two halves of the ground and two halves of the wall.
         theta: angle [deg] between plank and ground.
         margin: share by which the friction exceeds its limit; negative if the friction is smaller.
         gap: distance between the halves of the wall, and of the ground [mm]; at 0 the halves touch.
@@ -72,7 +73,7 @@ def least_friction(theta: float) -> float:
 
 
 def _group(held_by: int, theta: float, gap: float) -> list[Brick]:
-    """Return the bricks of one placement, the plank and its supports, because noise separates two placements."""
+    """Return the plank and its supports as the bricks of one placement, because noise would separate two placements."""
     floor = TILE[2] if held_by == 4 else 0.0
     plank = lean(0.0, theta=theta, toward=1, level=1, bottom=floor)
     wall = _in_halves(WALL, LENGTH * math.cos(theta) + WALL[0] / 2, gap if held_by >= 3 else None)
@@ -80,7 +81,7 @@ def _group(held_by: int, theta: float, gap: float) -> list[Brick]:
 
 
 def _in_halves(size: tuple[float, float, float], x: float, gap: float | None) -> list[Brick]:
-    """Return a heavy box: two halves ``gap`` [m] apart along y, or one piece if ``gap`` is None."""
+    """Return a heavy box in two halves, ``gap`` [m] apart along y, or in one piece if ``gap`` is None."""
     if gap is None:
         return [box(size, x, level=1, mass=HEAVY)]
     depth = (size[1] - gap) / 2

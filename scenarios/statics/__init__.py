@@ -1,4 +1,4 @@
-"""The judge: exact statics decides whether a stack can stand, independently of ``stability_core``."""
+"""The judge, exact statics: the decision whether a stack can stand, independent of ``stability_core``."""
 
 from __future__ import annotations
 

@@ -1,11 +1,11 @@
 """The margins of each brick of a stack at rest: the additional load and the tilt up to which an equilibrium exists.
 
-The forces f act at the corners of contact patches, each in its Coulomb cone |f_t| <= mu f_n. The map A gives the forces
-and moments of f on the bodies (``contact_wrenches``), and w are the weights. A stack has an equilibrium if A f + w = 0
-has a solution.
+The forces f act at the corners of contact patches, each in its Coulomb cone |f_t| <= mu f_n, with the coefficient of
+friction mu. The map A gives the forces and moments of f on the bodies (``contact_wrenches``), and w are the weights. A
+stack has an equilibrium if A f + w = 0 has a solution.
 
 **Load margin** of brick i [N]: the greatest force s along gravity at the brick's centre of mass for which this problem
-has a solution, with a unit force d_i along gravity on brick i:
+has a solution. The vector d_i is a unit force along gravity on brick i:
 
     A f + w + s d_i = 0,   s >= 0,   f in the cones
 
@@ -21,14 +21,15 @@ For each direction h, the method finds the margins in rising order:
 
 1. Find the greatest alpha that has a solution. The dual solution of the linear program is a mechanism: the motion in
    which the stack gives way. Alpha is the margin of the bricks that move in the mechanism.
-2. Remove these bricks. Also remove the bricks that have no equilibrium without them: alpha is their margin too.
+2. Remove these bricks. Also remove the bricks that have no equilibrium without the removed bricks: alpha is their
+   margin too.
 3. Repeat the steps with the remaining bricks. No margin is less than an earlier margin.
 
-The margin of a brick is the least over ``DIRECTIONS`` directions h.
+The tilt margin of a brick is the least margin over ``DIRECTIONS`` directions h.
 
 - An equilibrium exists up to the margin and nowhere beyond, because the solutions of each problem form a convex set.
-- No margin is too large, because an inscribed pyramid of ``SIDES`` sides replaces each cone: friction is exact along
-  the pyramid's edges, and at least cos(pi / ``SIDES``) = 98 % elsewhere.
+- No margin is too large, because an inscribed pyramid of ``SIDES`` sides replaces each cone. Along the pyramid's edges
+  friction is exact. Elsewhere friction is at least cos(pi / ``SIDES``) = 98 % of its exact value.
 - Equilibrium is necessary for rest, but with friction not sufficient: a wedged brick may fall earlier (``truth``).
 - The margins ignore the energy of a drop or a blow.
 - A brick without any equilibrium, for example a brick in the air, has both margins 0.
@@ -219,7 +220,7 @@ def _across(down: FloatArray) -> FloatArray:
 
 
 def _moving(motion: FloatArray) -> BoolArray:
-    """Return the mask (n,) of the bodies that move in ``motion``, (6 n,) or (n, 6); all True if ``motion`` is zero."""
+    """Return the mask (n,) of the bodies that move in ``motion``, (6 n,) or (n, 6); True for all if nothing moves."""
     speeds = np.abs(motion.reshape(-1, 6)).max(axis=1)
     moving: BoolArray = speeds >= _MOVES * speeds.max()
     return moving

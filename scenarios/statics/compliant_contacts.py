@@ -10,8 +10,8 @@ The module multiplies the rows of J by sqrt(k) and divides forces by sqrt(k), wh
   bounds u, and Brouwer's theorem applies to u -> kappa M^-1 (w + J^T f(J u)).
 - Without friction the solution is unique, because it is the minimum of a convex function. With friction the solution
   need not be unique.
-- One solution gives the whole history of a load that grows in proportion, because the problem is homogeneous: weights
-  t w lead to displacements t u. Sliding never reverses.
+- One solution gives the whole history of a load that grows in proportion, because the problem is homogeneous: weights t
+  w lead to displacements t u. In this history sliding does not reverse.
 
 Newton's method takes the derivative of f, or a one-sided derivative where f has no derivative. The search has three
 stages, and ends with the first stage that converges:
@@ -22,8 +22,8 @@ stages, and ends with the first stage that converges:
    bounds shortened steps lead from any start to the solution, because the solution is the minimum of a convex energy.
    After each round the search renews the bounds, and starts stage 1 from the result of the round.
 
-A tight course is a row of bricks whose faces touch. Of 11,630 searches in tight courses, 81 searches needed stage 3: 61
-of them needed a single round, and 1 of them found no solution.
+A tight course is a row of bricks whose faces touch. Of 11,630 searches in tight courses, 81 searches needed stage 3. Of
+these 81 searches, 61 searches needed a single round, and 1 search found no solution.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ separates the boxes, and physics does not determine the normal. A convention giv
 - ``face``: the normal of the first box's face that bounds the range, as most physics engines report.
 
 Statics needs only the corners of a patch, because a force at any point of the patch has the same effect as parallel
-forces at the corners. If the force obeys Coulomb's law, the forces at the corners obey it too.
+forces at the corners. If the force obeys Coulomb's law, the forces at the corners obey this law too.
 """
 
 from __future__ import annotations
@@ -243,7 +243,7 @@ def _shared_with_face(box: _Box, axis: int, outward: FloatArray, other: _Box, to
 
 
 def _crossing_point(first: _Box, second: _Box, normal: FloatArray, tolerance: float) -> FloatArray | None:
-    """Return the point (3,) [m] where an edge of one box crosses an edge of the other; None if no edges cross."""
+    """Return the point (3,) [m] where an edge of each box crosses; None if no edges cross."""
     start = first.corners[first.corners @ normal >= first.reach_along(normal) - tolerance]
     end = second.corners[-(second.corners @ normal) >= second.reach_along(-normal) - tolerance]
     if len(start) != 2 or len(end) != 2:

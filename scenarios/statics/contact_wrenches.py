@@ -2,8 +2,8 @@
 
 A unit force d at a corner acts on the second body as d, and on the first body as -d. The moment of the force about a
 body's centre of mass is the cross product of the arm and the force on the body. The arm is the vector from the centre
-to the corner, over ``length``. The transposed map gives the relative velocity of the two surfaces at each corner from
-the velocities of the bodies.
+to the corner, over ``length``. The transposed map takes the velocities of the bodies to the relative velocity of the
+two surfaces at each corner.
 """
 
 from __future__ import annotations

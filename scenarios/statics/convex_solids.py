@@ -12,7 +12,7 @@ The support function gives the greatest coordinate of a solid along a unit vecto
     h(n) = max over core vertices v of (v . n)  +  ball radius  +  disk radius * |n - (n . a) a|     (a: axis)
 
 The *feature* of a solid along n is the set of its points with the coordinate h(n): a point, a segment or a polygon. The
-end face of a cylinder is no polygon, and a polygon of ``DISK_CORNERS`` points on its rim replaces it.
+end face of a cylinder is no polygon. A polygon of ``DISK_CORNERS`` points on its rim replaces the end face.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ from scenarios.geometry import FloatArray
 
 DISK_CORNERS = 32
 """Number of corners of the polygon inscribed in the end face of a cylinder. The polygon's least radius is 0.5 % smaller
-than the cylinder's, so a cylinder never stands longer in statics than in reality. Two corners lie on each of the first
-two directions perpendicular to the axis, in which tests tilt cylinders."""
+than the cylinder's radius, so that a cylinder does not stand longer in statics than in reality. Two corners lie on each
+of the first two directions perpendicular to the axis, in which tests tilt cylinders."""
 _SAME_PLANE = 1e-7
 """Greatest distance of two facets' unit normals that lie in one face, because a convex hull consists of triangles."""
 _DIRECTIONS = np.vstack([np.eye(3), -np.eye(3)])
@@ -54,13 +54,13 @@ class Solid:
 
     @cached_property
     def middle(self) -> FloatArray:
-        """Mean of the core's vertices [m], shape (3,): a point inside the solid."""
+        """Return the mean of the core's vertices [m], shape (3,): a point inside the solid."""
         middle: FloatArray = self.core.mean(axis=0)
         return middle
 
     @cached_property
     def thinnest(self) -> float:
-        """Least width [m]: across faces, along a cylinder's axis, or across a ball."""
+        """Return the least width [m]: across faces, along a cylinder's axis, or across a ball."""
         if self.ball:
             return 2 * self.ball
         normals = self.axis[None] if self.disk else self.face_normals
@@ -69,7 +69,7 @@ class Solid:
 
     @cached_property
     def bounds(self) -> FloatArray:
-        """Lower and upper corner of the axis-aligned bounding box [m], shape (2, 3)."""
+        """Return the lower and the upper corner [m] of the axis-aligned bounding box, shape (2, 3)."""
         reach = self.support(_DIRECTIONS)
         return np.array([-reach[3:], reach[:3]])
 

@@ -1,7 +1,7 @@
 """The time that an unstable stack takes to fall, from rest to the limit at which the harness records the fall.
 
-By Gauss's principle, contact forces f in the Coulomb cones keep the accelerations a as near as possible to free fall.
-With the weights w, the mass matrix M and the map G from contact forces to forces and moments on the bodies,
+By Gauss's principle, contact forces f in the Coulomb cones give the accelerations a that are nearest to free fall. With
+the weights w, the mass matrix M and the map G from contact forces to forces and moments on the bodies,
 
     minimise |M^(-1/2) (w + G f)|  over f in the cones;     a = M^(-1) (w + G f).
 
@@ -17,8 +17,8 @@ angular part o_i of a. The balance of energy gives
 For example, a block has its centre of mass e beyond an edge and h above the edge, and the inertia I about the edge. The
 block has s^2 = m g h / I, and reaches the angle phi at the time acosh(1 + phi h / e) / s.
 
-The minimisation projects the forces on the cones. Therefore the two surfaces of a sliding contact also move apart: on a
-slope of 15 to 25 deg the horizontal acceleration is off by at most 5 %.
+The minimisation projects the forces on the cones. Therefore the two surfaces of a sliding contact also move apart. On a
+slope of 15 to 25 deg this error changes the horizontal acceleration by at most 5 %.
 """
 
 from __future__ import annotations

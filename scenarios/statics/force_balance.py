@@ -1,13 +1,13 @@
 """Decide whether contact forces can hold bodies at rest, by linear programs inside and around Coulomb's cone.
 
-The unknowns are the forces at the patches' corners, each inside its Coulomb cone |f_t| <= mu f_n. The sum of weight and
-contact forces, and the sum of their moments, must vanish on every body. Two pyramids enclose each cone, because a cone
-is no polyhedron:
+The unknowns are the forces at the patches' corners, each inside its Coulomb cone |f_t| <= mu f_n, with the coefficient
+of friction mu. The sum of weight and contact forces, and the sum of their moments, must vanish on every body. Two
+pyramids enclose each cone, because a cone is no polyhedron:
 
 - the inscribed pyramid: forces found with this pyramid obey Coulomb's law, and prove that equilibrium exists;
 - the circumscribed pyramid: if even this pyramid allows no equilibrium, no equilibrium exists. The proof is the dual
-  solution: a virtual motion in which gravity does positive work and no allowed contact force does negative work. The
-  works of gravity and contacts never cancel.
+  solution: a virtual motion in which gravity does positive work and no allowed contact force does negative work.
+  Therefore the works of gravity and contacts do not cancel.
 
 While neither pyramid gives a proof, the method adds a side to the pyramids at each corner, in the direction of the
 circumscribed pyramid's force. With each added side, the error in this direction falls to a quarter. A case without a
@@ -56,11 +56,11 @@ class Statics:
 
     - ``stable``: contact forces that hold all bodies exist and arise;
     - ``unstable``: no contact forces can hold all bodies;
-    - ``doubt``: neither is proven.
+    - ``doubt``: neither verdict has a proof.
 
     Bodies can rest only if forces that hold them exist. If normal forces alone hold the bodies, this condition is also
-    sufficient. With friction it is not: bodies wedged against each other may stress themselves in theory and fall in
-    reality (Kao et al. 2022).
+    sufficient. With friction this condition is not sufficient: bodies wedged against each other may stress
+    themselves in theory and fall in reality (Kao et al. 2022).
     """
     by: Criterion
     """Criterion that decided the verdict:
@@ -97,7 +97,7 @@ class Statics:
 
     @property
     def stable(self) -> bool:
-        """True if stability is proven."""
+        """Return whether the verdict is ``stable``."""
         return self.verdict == "stable"
 
 
@@ -124,7 +124,7 @@ class Balance:
 
         Args:
             friction: tangent of the angle between the pyramid's edges and the normal, shape (p, k) or (p, 1), or one
-                number for all.
+                number for all edges.
             angles: directions of the edges [rad] in the contact plane, shape (p, k).
         """
         lean = friction * np.array([np.cos(angles), np.sin(angles)])
@@ -144,8 +144,7 @@ class Balance:
         found = linprog(cost, A_eq=wrenches, b_eq=-self._corners.load, method="highs", options=SOLVER)
         if found.x is None:
             raise ArithmeticError(
-                f"HiGHS must solve this linear program, which always has a solution, but failed ({found.message}): "
-                "report the scene as a bug"
+                f"HiGHS must solve this elastic linear program, but failed ({found.message}): report the scene as a bug"
             )
         forces = np.einsum("pk,pkd->pd", found.x[:count].reshape(edges.shape[:2]), edges)
         motion = -found.eqlin.marginals.reshape(self._corners.bodies, 6)
@@ -165,7 +164,7 @@ def solve_balance(
 
     The verdict is ``stable`` only if the existence of forces suffices for rest. Forces of two kinds suffice: normal
     forces alone, or vertical forces at load-bearing contacts. If the bodies need other friction, forces may exist
-    (``balanced``) but not arise; ``truth.judge`` examines these cases further.
+    (``balanced``) but not arise. ``truth.judge`` examines these cases further.
 
     Proof that normal forces p >= 0 suffice, with the weights w, the masses M, and the opening velocities J_n a of a
     motion a (see ``strong_stability``):
@@ -174,7 +173,8 @@ def solve_balance(
     - a . M a <= w . a for every solution a, because contact forces do no positive work.
     - Therefore a = 0 is the only solution.
 
-    For vertical forces there is no proof, only experience: nothing slides where the whole load acts straight down.
+    For vertical forces this module has no proof. The criterion rests on experience: nothing slides where the whole load
+    acts straight down.
 
     Args:
         centers: centres of mass [m], shape (n, 3).
@@ -254,7 +254,7 @@ def _vertical(corners: Corners, friction: float | FloatArray) -> FloatArray:
 
 
 def _circumscribed(friction: float | FloatArray, angles: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the edges of the circumscribed pyramids that touch the cones at rising ``angles`` (p, k) [rad].
+    """Return the edges of the circumscribed pyramids, which touch the cones at rising ``angles`` (p, k) [rad].
 
     The result is the two arguments of ``Balance.solve``, each of shape (p, k): the tangents of the edges' angles to the
     normal, and the directions of the edges [rad].

@@ -1,4 +1,4 @@
-"""Load a stack from zero through compliant contacts, to see whether the forces that could hold it arise by themselves.
+"""Load a stack from zero through compliant contacts, to find whether the forces that could hold the stack arise.
 
 Forces inside the Coulomb cones that balance all weights are necessary for rest, but not sufficient. With friction these
 forces may be a self-stress that nothing supplies. For example, a brick overhangs its table and touches a heavy
@@ -17,11 +17,12 @@ The verdict must be the same for every tangential stiffness of ``RATIOS`` and fo
 because the stiffness of real contacts is unknown. The stiffness is equal at all corners, or in proportion to the
 reduced weight of the two bodies.
 
-**Sag.** The sag of a body is the greatest relative motion at its corners over the greatest relative motion with all
-contacts bonded (the same linear problem). A limit of the sag is necessary, because normals have errors. If a normal is
-off by an angle e, a contact that would not press begins to press once the body has moved by 1 / e times its elastic
-compression. In the model this body stands. In reality the body has moved away long before. The sag depends neither on
-the scale nor on the bodies below, because a body that moves with its neighbours does not move against them.
+**Sag.** The sag of a body is the ratio of two greatest relative motions at its corners: with real contacts, and with
+bonded contacts (the same linear problem). A limit of the sag is necessary, because normals have errors. Suppose that a
+normal is off by an angle e [rad]. Then a contact that would not press begins to press once the body has moved by 1 / e
+times its elastic compression. In the model this body stands. In reality the body has moved away long before. The sag
+depends neither on the scale nor on the bodies below, because a body that moves with its neighbours does not move
+against them.
 
 **Proof.** With u = kappa a the equations are M a = w + J^T f(kappa J a).
 
@@ -31,11 +32,11 @@ the scale nor on the bodies below, because a body that moves with its neighbours
   contacts are zero. A corner that slides has all its friction against the motion.
 - Therefore the limit of a pile that "falls" is an acceleration, other than zero, that rigid bodies with Coulomb
   friction may take from rest. The pile is not strongly stable in the sense of Pang and Trinkle.
-- A pile that "stands" reaches an equilibrium without prestress, for each of six kinds of contacts. This is less than
-  strong stability, because other solutions may exist.
+- A pile that "stands" reaches an equilibrium without prestress, for each of six kinds of contacts. This equilibrium is
+  less than strong stability, because other solutions may exist.
 
 **Limits.** If the surfaces of a contact move exactly parallel to each other, compression alone decides, because
-displacements are infinitesimal and gaps are zero. All contacts belong to the plan: the motion makes no new contacts.
+displacements are infinitesimal and gaps are zero. All contacts belong to the plan: the model makes no new contacts.
 Solutions need not be unique: the method finds the solution that continues the solution of soft contacts.
 
 References:
@@ -66,8 +67,8 @@ from scenarios.statics.contact_patch import GROUND, Patch
 from scenarios.statics.contact_wrenches import Corners
 
 RATIOS = (1.0, 0.1, 10.0)
-"""Ratios of tangential to normal stiffness. There are three, because elastic spheres have 0.7 to 1, and rough faces and
-grains may have far less."""
+"""Ratios of tangential to normal stiffness. The list has three ratios, because elastic spheres have 0.7 to 1, and rough
+faces and grains may have far less."""
 DISTRIBUTIONS = (stiffness_by_weight, even_stiffness)
 """Distributions of normal stiffness over the corners."""
 MOST_SAG = 100.0

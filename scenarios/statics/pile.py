@@ -15,7 +15,7 @@ from scenarios.statics.contact_patch import GROUND, Patch
 
 
 class Pile(NamedTuple):
-    """Bodies and their contacts: the common arguments of the functions of statics, such as ``truth.judge``."""
+    """Bodies and their contacts: the common arguments of functions of statics, for example of ``truth.judge``."""
 
     centers: FloatArray
     """Centres of mass [m], shape (n, 3)."""

@@ -11,7 +11,8 @@ def clipped(polygon: FloatArray, outside: FloatArray) -> FloatArray:
     """Return the part (m, 2) of a polygon, segment or point (k, 2) in which a linear function is not positive.
 
     The array ``outside`` (k,) contains the function's values at the corners. The method is the algorithm of Sutherland
-    and Hodgman. A corner may occur twice in the result, because a segment counts as a polygon that runs forth and back.
+    and Hodgman. A corner may occur twice in the result, because a segment counts as a polygon that runs from one end to
+    the other end and back.
     """
     if (outside <= 0.0).all():
         return polygon

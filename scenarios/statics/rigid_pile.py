@@ -1,4 +1,4 @@
-"""Rigid bodies and Coulomb's law at their corners, as ``strong_stability`` needs them: in space, or in a plane.
+"""Rigid bodies and Coulomb's law at their corners, in space or in a plane, for ``strong_stability``.
 
 Each corner sticks, or slides in a sector of directions, or is open. The forces of a corner that sticks or slides lie in
 a polyhedral cone. In the plane these cones are exact. In space these cones contain all forces of Coulomb's law:
@@ -30,8 +30,8 @@ _SAME = 1e-6
 class RigidPile(NamedTuple):
     """A dimensionless pile: weights over the weight of the lightest body, lengths over the length unit.
 
-    The shapes contain the numbers of bodies n, of their degrees of freedom d, of corners p, and of tangents t: 2 in
-    space, 1 in a plane.
+    The shapes contain the numbers of bodies n, of their degrees of freedom d, of corners p and of tangents t. A pile in
+    space has 2 tangents, a pile in a plane has 1.
     """
 
     masses: FloatArray
@@ -82,7 +82,8 @@ def spatial_pile(corners: Corners, gyration: FloatArray) -> RigidPile:
 def planar_pile(corners: Corners, spatial: RigidPile) -> RigidPile | None:
     """Return the pile in the x-z plane, or None if the pile is not its own mirror image in a plane y = const.
 
-    Bodies behind each other, with the same x and z but different y, become one body. Corners do so too.
+    Bodies behind each other, with the same x and z but different y, become one body. Corners behind each other become
+    one corner.
     """
     points, centers = corners.points / corners.length, corners.centers / corners.length
     bodies = _groups(np.column_stack([centers[:, [0, 2]], spatial.weights.reshape(-1, 6)[:, [0, 2]]]))

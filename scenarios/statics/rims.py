@@ -1,10 +1,10 @@
 """Normals of contacts at a rim, the border of a cylinder's end face, with an edge, a cylinder's side or another rim.
 
 A rim is a circle. A search over the rim's angle finds the point nearest to another curve, because these points have no
-closed form: a grid of ``GRID`` angles, then a bounded minimisation of the squared distance between the two neighbours
-of the best angle. With the tangents t1 and t2 of both curves, the normal is t1 x t2, because both solids are convex and
-each touches the plane of both tangents. If the other surface is round, the normal is the vector between the nearest
-points.
+closed form. The search tries a grid of ``GRID`` angles. Then a bounded minimisation of the squared distance continues
+between the two neighbours of the best angle. With the tangents t1 and t2 of both curves, the normal is t1 x t2, because
+both solids are convex and each touches the plane of both tangents. If the other surface is round, the normal is the
+vector between the nearest points.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ Nearest = Callable[[FloatArray], FloatArray]
 
 
 def rim_normals(first: Solid, second: Solid) -> FloatArray:
-    """Return unit normals, of either sign, at which a rim of one solid may touch the other solid, shape (k, 3)."""
+    """Return unit normals (k, 3), of either sign, of possible contacts between a rim of a solid and the other solid."""
     normals: list[FloatArray] = []
     for solid, other in ((first, second), (second, first)):
         if solid.disk:

@@ -51,7 +51,7 @@ class SceneMargins:
 
 @dataclass(frozen=True, slots=True)
 class PairForce:
-    """Force between two bodies, in an example of forces that hold the scene; real forces may differ."""
+    """Force between two bodies, from one of the possible sets of forces that hold the scene."""
 
     first: int
     """Index of the body from which the normal points; ``GROUND`` for the ground and fixed bodies."""

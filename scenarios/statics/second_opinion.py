@@ -1,15 +1,15 @@
 """Apply two criteria to a stack. A pair of scenes enters the study ``truth`` only if both criteria agree.
 
 The first criterion is loading from zero (``loading``). If a stack comes to rest in this loading, the judge (``truth``)
-must call it stable, and the first applicable criterion of this list must confirm it:
+must call the stack stable. The first applicable criterion of this list must confirm the verdict:
 
 1. ``normal forces``: normal forces alone hold the stack. Then rest is the only solution (proof in ``force_balance``).
 2. ``strong stability``: rest is the only solution of rigid bodies (``strong_stability``, for small piles).
 3. ``other stiffness``: the stack comes to rest with ``DRAWS`` draws of random stiffness too, with each corner up to
    three times softer or stiffer. This criterion is the weakest, and serves piles too large for the second criterion.
 
-If a stack falls in the loading, the judge must not call it stable, and the first applicable criterion of this list must
-confirm the fall:
+If a stack falls in the loading, the judge must not call the stack stable. The first applicable criterion of this list
+must confirm the fall:
 
 1. ``cone``: a proof shows that no forces hold the stack.
 2. ``strong stability``: rigid bodies may take an acceleration other than zero.
@@ -55,7 +55,7 @@ class Agreement:
 
 
 def agreed_verdict(bricks: Sequence[Brick], world: World, *, ridge: Ridge = "bisector") -> Agreement:
-    """Return the verdict of loading and a second criterion on bricks in their planned poses; doubt if they disagree.
+    """Return the verdict of loading and a second criterion on bricks in their planned poses; doubt if the two disagree.
 
     Args:
         bricks: at least one brick; bricks may touch, but must not overlap.

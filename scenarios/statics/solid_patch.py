@@ -46,7 +46,7 @@ class OverlapError(ValueError):
             f"bodies may touch, but must not overlap, got an overlap of {depth:g} m: move the bodies apart"
         )
         self.depth = depth
-        """Least distance [m] by which one solid must move to come free of the other."""
+        """Least distance [m] by which a solid must move to end the overlap."""
 
 
 def solids_touch(
@@ -89,7 +89,7 @@ def solids_touch(
 
 
 def all_candidates(first: Solid, second: Solid) -> FloatArray:
-    """Return all candidate normals from the first to the second solid, shape (k, 3), perhaps with repetitions."""
+    """Return all candidate normals (k, 3) from the first to the second solid; a normal may occur several times."""
     parts = [_flats(first), -_flats(second), _both_ways(_across_edges(first, second, _PARALLEL))]
     parts.append(_both_ways(_from_round_surfaces(first, second)))
     if first.disk or second.disk:
@@ -98,7 +98,7 @@ def all_candidates(first: Solid, second: Solid) -> FloatArray:
 
 
 def separation(first: Solid, second: Solid) -> tuple[float, FloatArray]:
-    """Return the greatest gap [m] over all candidates, and its normal (3,); the gap of an overlap is negative."""
+    """Return the greatest gap [m] over all candidates, and its normal (3,); a negative gap means an overlap."""
     normals = all_candidates(first, second)
     gaps = _gaps(first, second, normals)
     best = int(gaps.argmax())

@@ -1,32 +1,33 @@
 """Strong stability after Pang and Trinkle, as a mixed-integer program: a second opinion on small piles.
 
-Rigid bodies start from rest under their weights w. With the masses M and the map J from motions of the bodies to
-relative motions at the corners, their accelerations a and contact forces f satisfy
+Rigid bodies start from rest under their weights w. The masses are M, and mu is the coefficient of friction. The map J
+leads from motions of the bodies to relative motions at the corners. The accelerations a of the bodies and the contact
+forces f satisfy
 
     M a = w + J^T f
     0 <= f_n, 0 <= J_n a, and one of them is zero                          at each corner
     J_t a = 0 and |f_t| <= mu f_n, or f_t = -mu f_n J_t a / |J_t a|        where J_n a = 0
 
 A pile is *strongly stable* if a = 0 is the only solution. In every other solution a body goes down along its weight,
-because contact forces do no positive work: 0 <= a . M a <= w . a. Each corner has one of these modes: it is open,
-sticks, or slides in one of k sectors of directions. A binary variable z for each mode except "open" makes the problem
-linear:
+because contact forces do no positive work: 0 <= a . M a <= w . a. Each corner has one of these modes: the corner is
+open, sticks, or slides in one of k sectors of directions. A binary variable z for each mode except "open" makes the
+problem linear:
 
     sum z <= 1,    0 <= J_n a <= A (1 - sum z)                     A: bound of accelerations
     f = sum of generators of the mode's cone, sum of f_n <= F z    F: bound of forces
     c . J_t a >= -A (1 - z_stick - z_j)                            c: the normals of the borders of sector j
 
-More binary variables choose a body. The program searches for a solution in which the centre of mass of this body falls
-with ``LEAST_FALL`` or more. If no solution exists, the pile is strongly stable, within these limits:
+A second set of binary variables chooses a body. The program searches for a solution in which the centre of mass of this
+body falls with ``LEAST_FALL`` or more. If no solution exists, the pile is strongly stable, within these limits:
 
 - For a pile that is its own mirror image, the program works in the plane of symmetry, with two sliding directions. The
   plane program is exact, except for motions out of the plane.
 - Other piles have ``SECTORS`` sectors. Friction may lie anywhere in a triangle around the sector's arc of Coulomb's
   circle, and corners that stick have the circumscribed pyramid. Therefore the program's solutions include all true
   solutions.
-- Forces are at most ``MOST_FORCE`` times the weight of all bodies. A solution with larger, self-stressing forces also
-  exists with smaller forces in the same modes, unless a slow motion needs a large self-stress. In tests, forces stayed
-  below the weight of all bodies.
+- Forces are at most ``MOST_FORCE`` times the weight of all bodies. If a solution has larger, self-stressing forces,
+  smaller forces in the same modes also give a solution, unless a slow motion needs a large self-stress. In tests,
+  forces stayed below the weight of all bodies.
 - Only the first instant counts. A weak pile may still stand: logs in three rows may roll apart, but need not.
 - ``force_balance`` decides whether rest is a solution at all. If rest is no solution, "strong" only means that nothing
   falls faster than ``LEAST_FALL``.
@@ -90,7 +91,7 @@ class Strength:
       search.
     """
     fall: float
-    """Greatest acceleration of a body along its weight [g] in the solution that was found; 0 without a solution."""
+    """Greatest acceleration of a body along its weight [g] in the solution; 0 without a solution."""
     choices: int
     """Number of binary variables for the modes of all corners."""
 
@@ -136,8 +137,12 @@ def strong_stability(
 def _solve(problem: RigidPile, law: Law, seconds: float) -> Strength:
     """Use HiGHS to search for an acceleration with which a body falls.
 
-    The unknowns are d accelerations, p g amplitudes of the g generators of p corners, p m modes with m modes a corner,
-    and the choice among n bodies.
+    The unknowns are
+
+    - a: d accelerations;
+    - x: p g amplitudes, of g generators at each of p corners;
+    - z: p m binary variables, of m modes at each corner;
+    - y: n binary variables that choose a body.
     """
     size, corners, _ = problem.wrenches.shape
     bodies, modes, generators = len(problem.down), int(law.modes.max()) + 1, corners * len(law.modes)
@@ -205,7 +210,7 @@ class _Rows(NamedTuple):
 
     @property
     def height(self) -> int:
-        """Number of rows."""
+        """Return the number of rows."""
         return next(len(part) for part in (self.a, self.x, self.z, self.y) if part is not None)
 
     def matrix(self, widths: Sequence[int]) -> csr_array:

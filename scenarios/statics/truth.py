@@ -15,9 +15,9 @@ The first applicable criterion decides:
    doubt.
 6. All other cases: stable.
 
-Therefore a pile that must fall may be in doubt instead of unstable, but no pile that needs prestress is stable.
-Criterion 5 does not apply if ``LESS_FRICTION`` times the friction allows no forces at all, so that the limits of a V
-and of an arch are sharp.
+Therefore a pile that must fall may be in doubt instead of unstable, but no pile that needs prestress is stable. If
+``LESS_FRICTION`` times the friction allows no forces at all, criterion 5 does not apply, so that the limits of a V and
+of an arch are sharp.
 """
 
 from __future__ import annotations
@@ -38,8 +38,9 @@ from scenarios.statics.pile import gyration_of, pile_of_bricks
 from scenarios.statics.scene_states import scene_states
 
 LESS_FRICTION = 0.9
-"""Share of the friction with which a pile that needs friction must stand as well, because two of 709 kinds of tight
-courses stood when loaded from zero, but fell in two engines. With this share, one of these two does not stand."""
+"""Share of the friction with which a pile that needs friction must stand as well. The reason is that two of 709 kinds
+of tight courses stood in the loading from zero, but fell in two engines. With this share, one of these two kinds does
+not stand."""
 
 
 class UndecidedError(ArithmeticError):
@@ -61,8 +62,7 @@ def equilibrium(
         ridge: the normal where two parallel edges meet (see ``contact_patch``).
 
     Raises:
-        ValueError: if there is no brick or no gravity, an edge, a mass or the friction is out of range, a number is not
-            finite, or bricks overlap.
+        ValueError: if ``bricks`` is empty, gravity is zero, a number is out of range or not finite, or bricks overlap.
     """
     walls = [*world.fixed, *walls]
     check_pile(bricks, walls, world)
@@ -84,7 +84,7 @@ def equilibrium_among(
 
 
 def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
-    """Return the level at which a scene first has no equilibrium; None if the scene always stands.
+    """Return the level at which a scene first has no equilibrium; None if the scene stands in every state.
 
     The function judges the scene after all actions of each time. After a removal, the level is the highest level placed
     so far.
@@ -92,8 +92,7 @@ def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
     Raises:
         UndecidedError: if a state of the scene is in doubt.
         ValueError: if the scene pushes, pulls, presses, drives or tilts bricks, because statics has no answer for these
-            actions; or if the plans of two bricks overlap, even if the scene removes one of them before it places the
-            other.
+            actions; or if the planned poses of two bricks overlap, even if the two bricks are never in place together.
     """
     check_pile(scene.bricks, scene.world.fixed, scene.world)
     patches = contact_patches(scene.bricks, scene.world.fixed, ridge=ridge)
@@ -102,7 +101,7 @@ def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
         if statics.verdict == "doubt":
             raise UndecidedError(
                 f"{scene.variant}: statics must decide every state of the scene, but is in doubt after {placed} placed "
-                f"bricks ({statics.why}): change the scene, or give it the outcome 'study'"
+                f"bricks ({statics.why}): change the scene, or give the scene the outcome 'study'"
             )
         if not statics.stable:
             return level

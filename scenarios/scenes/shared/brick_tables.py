@@ -139,7 +139,8 @@ def _turn(name: str, table: Mapping[str, Any]) -> Quaternion:
         w, i, j, k = read_numbers(f"{name}.quaternion", table["quaternion"], 4, -1.0)
         if abs(math.hypot(w, i, j, k) - 1) > _UNIT:
             raise ValueError(
-                f"{name}.quaternion must be of unit length, got {math.hypot(w, i, j, k):g}: divide it by its length"
+                f"{name}.quaternion must be of unit length, got {math.hypot(w, i, j, k):g}: divide the "
+                "quaternion by its length"
             )
         return w, i, j, k
     half = math.radians(read_number(f"{name}.yaw", table.get("yaw", 0.0), -360, 360)) / 2

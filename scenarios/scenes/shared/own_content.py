@@ -32,7 +32,7 @@ class OwnContent:
     name: str = ""
     """Name of the scene in the file; empty for the file's own name."""
     notes: tuple[str, ...] = ()
-    """What differs from the file, in words."""
+    """Differences from the file, in words."""
 
 
 def set_down(bricks: Sequence[Brick], times: Sequence[float], fixed: Sequence[Brick]) -> list[Brick]:
@@ -49,8 +49,8 @@ def set_down(bricks: Sequence[Brick], times: Sequence[float], fixed: Sequence[Br
 def room_below(coming: Sequence[Brick], there: Sequence[Brick], fixed: Sequence[Brick]) -> float:
     """Return the distance [m] by which the ``coming`` bricks can sink together.
 
-    The bricks sink until any of them meets a placed brick, a fixed body or the ground. The distance is negative if the
-    bricks must rise.
+    The bricks sink until a coming brick meets a placed brick, a fixed body or the ground. The distance is negative if
+    the bricks must rise.
     """
     boxes = Boxes.of(coming)
     room = min(float(height_above_ground(boxes).min()), room_above_fixed(boxes, Boxes.of(fixed)))

@@ -8,17 +8,17 @@ distinguishes three cases:
    within ``WITHIN`` times ``falling.fall_time``, so that a stack that freezes first and falls later counts as a false
    stand.
 2. The scene must fall after a removal: the prebuilt stack is all levels. The stack must stand until the removal.
-3. The scene must stand: the prebuilt stack is all levels. The stack must stand for ``STANDS_S``; then the scene removes
+3. The scene must stand: the prebuilt stack is all levels. The stack must stand for ``STANDS_S``. Then the scene removes
    one more brick, and the stack must fall.
 
-``at_once_below`` takes the first k - 1 levels of a scene of case 1, and treats this stack as case 3. Therefore no scene
-tests statics alone: a body that a policy freezes before the first step must also fall later. The prebuilt scenes of
-cases 1 and 3 form a pair if their original scenes form a pair.
+``at_once_below`` takes the first k - 1 levels of a scene of case 1, and treats this stack as case 3. Therefore every
+scene also tests a later fall: a body that a policy freezes before the first step must fall later. The prebuilt scenes
+of cases 1 and 3 form a pair if their original scenes form a pair.
 
 In case 3 the scene removes the first brick, level by level from the lowest, for which two conditions hold:
 
 - Without the brick, exact statics finds no equilibrium, under both ridge conventions.
-- The loss of the brick is visible: a brick above loses all its support, or the removed brick was at least ``TALL``
+- The loss of the brick is visible. A brick above loses all its support, or the removed brick is tall: at least ``TALL``
   times as high as the least edge of a brick above.
 
 If no brick meets both conditions (flat planks with two supports each), the stack stands on pedestals, and the scene
@@ -178,8 +178,8 @@ def _robbed(scene: Scene) -> Scene:
         taken = _load_bearing(scene)
     if taken is None:
         raise ValueError(
-            f"a prebuilt scene needs a brick whose removal makes the stack fall, but {scene.variant} has no such "
-            "brick: use built = 'one_by_one'"
+            f"a prebuilt scene needs a brick whose removal makes the stack fall, but {scene.variant} has no brick "
+            "of this kind: use built = 'one_by_one'"
         )
     time = scene.done_s + STANDS_S
     rest = _without(scene, {*_removed(scene), taken})
@@ -194,7 +194,7 @@ def _robbed(scene: Scene) -> Scene:
 
 
 def _load_bearing(scene: Scene) -> int | None:
-    """Return the index of the first brick, level by level, whose loss makes bricks fall visibly; None without any."""
+    """Return the index of the first brick, level by level, whose loss makes bricks fall visibly; None if none does."""
     gone = _removed(scene)
     bisector, face = (contact_patches(scene.bricks, scene.world.fixed, ridge=ridge) for ridge in RIDGES)
     conventions = [bisector] if _are_equal(bisector, face) else [bisector, face]
@@ -210,7 +210,7 @@ def _load_bearing(scene: Scene) -> int | None:
 def _seen_without(
     index: int, gone: set[int], bricks: Sequence[Brick], patches: Sequence[Patch], height: float
 ) -> list[int]:
-    """Return the indices of the bricks on the brick ``index`` that would fall visibly if they need this brick."""
+    """Return the indices of the bricks on the brick ``index`` whose fall without this brick would be visible."""
     present = [patch for patch in patches if not gone & {patch.first, patch.second}]
     touching = {*(p.second for p in present if p.first == index), *(p.first for p in present if p.second == index)}
     rest = [patch for patch in present if index not in (patch.first, patch.second)]

@@ -17,7 +17,7 @@ def on_slope(angle: float, falls_at: int, tilts_at_s: float) -> Expectation:
     """Return the expectation for planks on a slope that ends at ``angle`` [deg].
 
     Args:
-        angle: final angle of the slope [deg], reached within ``TILT_S``.
+        angle: final angle of the slope [deg]; the tilt lasts ``TILT_S``.
         falls_at: level at which the scene falls if the planks slide.
         tilts_at_s: start of the tilt [s].
     """

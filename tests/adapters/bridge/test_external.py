@@ -49,7 +49,7 @@ def test_an_entry_point_names_the_class_of_a_package(tmp_path: Path, monkeypatch
 
 def test_a_file_that_the_environment_names_must_be_there(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(os.environ, "STILLSTACK_ENGINES", "/nowhere/engines.toml")
-    with pytest.raises(EnginesFileError, match=r"/nowhere/engines.toml: cannot be read .* STILLSTACK_ENGINES"):
+    with pytest.raises(EnginesFileError, match=r"/nowhere/engines.toml: cannot read this file .* STILLSTACK_ENGINES"):
         register_external()
 
 

@@ -34,7 +34,7 @@ def test_a_file_becomes_a_judged_scene(file, bricks, fixed, outcome):
     ("file", "message"),
     [
         ("arm_and_cube.xml", "hinge joint 'shoulder' of body 'arm': .* use a freejoint, or remove the joint"),
-        ("bracket.xml", "mesh of 'bracket' is not convex, .* replace it by its convex hull"),
+        ("bracket.xml", "mesh of 'bracket' is not convex, .* replace the mesh by its convex hull"),
         ("box_world.sdf", "SDF has no maintained parser .* convert the file to URDF or MJCF"),
     ],
 )

@@ -43,7 +43,7 @@ def test_exact_bodies_stay_to_the_bit():
 @pytest.mark.parametrize(
     ("height", "message"),
     [
-        (0.15 - 2 * OVERLAP, "cube 1 overlaps cube 0 by 2.000 mm, more than 1 mm: move them apart"),
+        (0.15 - 2 * OVERLAP, "cube 1 overlaps cube 0 by 2.000 mm, more than 1 mm: move the bodies apart"),
         (0.15 + 2 * GAP, "cube 1 floats 20.0 mm above cube 0, more than 10 mm: lower cube 1"),
     ],
 )

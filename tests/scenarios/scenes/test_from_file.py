@@ -155,7 +155,7 @@ def test_what_makes_no_scene_is_reported_with_its_brick_and_the_fix(write, brick
 
 
 def test_a_file_that_is_not_there_names_the_examples():
-    with pytest.raises(ValueError, match=r"nowhere.toml: cannot be read.*lintel.toml"):
+    with pytest.raises(ValueError, match=r"nowhere.toml: cannot read this file .*lintel.toml"):
         build("own_scene", file="nowhere.toml")
 
 
