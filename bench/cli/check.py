@@ -40,7 +40,7 @@ def check(
 
 
 def _knobs(engine: str, profile: str) -> Iterator[str]:
-    """Yield one line per knob of the profile: the value that the engine reports, or a note that it reports no value."""
+    """Yield one line per knob of the profile: the value that the engine reports, or a note that the value is absent."""
     plank = Brick((0.117, 0.0234, 0.0078), 0.0119, (0.0, 0.0, 0.0039))
     try:
         simulation = open_engine(engine, profile, expected=[plank])

@@ -39,7 +39,7 @@ def read_baseline(path: Path) -> Baseline:
 
 
 def of_engines(side: Baseline, engines: Sequence[str] | None) -> Baseline:
-    """Return the trials of the named engines only; all trials if none is named.
+    """Return the side with the trials of ``engines`` only; with all trials if ``engines`` is empty or None.
 
     Raises:
         BaselineError: if the side has no trial of these engines.
@@ -76,10 +76,10 @@ def replaced_baseline(path: Path) -> Baseline | None:
 
 
 def write_baseline(baseline: Baseline, path: Path) -> None:
-    """Write a baseline into a file atomically; replace an existing file only if it is a baseline.
+    """Write a baseline into a file atomically; replace no existing file other than a baseline.
 
     Raises:
-        BaselineError: if ``path`` is a folder or a file of another kind, or cannot be written.
+        BaselineError: if ``path`` is a folder, a file of another kind or not writable.
     """
     replaced_baseline(path)
     try:
@@ -100,7 +100,7 @@ def _read_baseline_file(path: Path) -> Baseline:
 
 
 def with_packed_traces(side: Baseline) -> Baseline:
-    """Return a copy of the side that contains the pose traces of all its pose hashes, and needs no files.
+    """Return a copy of the side that needs no files, because the copy contains the pose traces.
 
     Raises:
         BaselineError: if a trace is missing or unreadable.

@@ -1,8 +1,8 @@
 """Comparison of two pytest-benchmark files by the frame ratio, which is the relative frame time with the extension.
 
-``tests/benchmarks/test_frame_speed.py`` times frames with and without the extension on the same stack, alternating.
-The comparison uses only their ratio, because the times of two runs depend on the machine. Each second of frames gives
-one ratio:
+``tests/benchmarks/test_frame_speed.py`` times frames with and without the extension on the same stack, alternating. The
+comparison uses only their ratio, because the times of two runs depend on the machine. Each second of frames gives one
+ratio:
 
     a_k     mean time of the frames with the extension in second k
     b_k     median time of the frames without the extension just before second k
@@ -11,7 +11,8 @@ one ratio:
 For every k and every stack of an engine, "head against base" is the ratio of r_k of the head to r_k of the base.
 
 ``timing.judge_times`` judges the interval of the mean of "head against base". A frame counts for at most ``MOST`` times
-the median of the frames with the same index in all seconds, because the system interrupted longer frames.
+the median of the frames with the same index in all seconds. This bound limits the effect of frames that the system
+interrupted.
 """
 
 from __future__ import annotations
@@ -141,7 +142,7 @@ def are_benchmarks(base: Path, head: Path) -> bool:
     """Return whether both sides of a comparison are pytest-benchmark files, by their content.
 
     Raises:
-        BaselineError: if only one side is such a file.
+        BaselineError: if only one side is a pytest-benchmark file.
     """
     written = [_is_benchmark_file(path) for path in (base, head)]
     if any(written) and not all(written):
@@ -205,7 +206,7 @@ def compare_benchmarks(base: FrameTimes, head: FrameTimes, *, across_versions: b
         across_versions: True to compare different versions of an engine.
 
     Raises:
-        NothingInCommonError: if no stack is timed with the extension in both files.
+        NothingInCommonError: if the files have no stack in common with frame times with the extension.
     """
     if not base.ratios.keys() & head.ratios.keys():
         raise NothingInCommonError(
@@ -236,7 +237,7 @@ def compare_benchmarks(base: FrameTimes, head: FrameTimes, *, across_versions: b
 
 
 def _incomparable(base: FrameTimes, head: FrameTimes, cell: Group, across_versions: bool) -> str | None:
-    """Return the reason for which the frame ratios of a group cannot be compared; None if they can."""
+    """Return the reason that excludes the frame ratios of a group from the comparison; None without a reason."""
     if base.processor is None or head.processor is None:
         return "its processor is unknown"
     if base.processor != head.processor:
@@ -265,7 +266,7 @@ def _middle(ratios: FloatArray) -> float:
 
 
 def _ratios(path: Path, benchmark: _Benchmark) -> FloatArray:
-    """Return the frame ratio of each whole second, shape (s,)."""
+    """Return the frame ratio of each of the s whole seconds, shape (s,)."""
     info, times = benchmark.extra_info, np.array(benchmark.stats.data)
     if not len(times):
         raise BaselineError(

@@ -20,7 +20,7 @@ _NO_REPORT = "--no-report"
 
 @dataclass(frozen=True, slots=True)
 class Checkout:
-    """A version of the suite that can be run."""
+    """A version of the suite that is ready to run."""
 
     name: str
     """Name for messages and tables."""
@@ -36,7 +36,7 @@ class Checkout:
         Args:
             study: file of the study.
             out: results folder.
-            report: False to write no report, if this version of the suite can leave it out.
+            report: False to write no report, if this version of the suite has an option for that.
 
         Raises:
             CheckoutError: if the run fails.
@@ -64,7 +64,7 @@ def prepare(
         allow_dirty: True to accept uncommitted changes.
 
     Raises:
-        CheckoutError: if there is no such version, it has uncommitted changes, or it cannot be installed.
+        CheckoutError: if the version does not exist, has uncommitted changes, or has a package that uv cannot install.
     """
     if (Path(version) / "bench" / "__main__.py").is_file():
         return _folder(version, packages, allow_dirty)
@@ -77,8 +77,7 @@ def checked_out(version: str, console: Console, *, allow_dirty: bool = False) ->
     """Return the folder of a kept checkout of a commit, a branch or a tag, without an environment.
 
     Raises:
-        CheckoutError: if there is no such version, or if it is the present commit and the checkout has uncommitted
-            changes.
+        CheckoutError: if the version does not exist, or is the present commit and the checkout has uncommitted changes.
     """
     commit = call(
         version,
@@ -96,7 +95,7 @@ def checked_out(version: str, console: Console, *, allow_dirty: bool = False) ->
 
 
 def named_by_difference(sides: tuple[Checkout, Checkout], packages: tuple[Sequence[str], Sequence[str]]) -> list[str]:
-    """Return the names of base and head, made of what differs: the version of the suite, the chosen packages, or both.
+    """Return the names of base and head, which state their differences: version of the suite, chosen packages, or both.
 
     If only one side has chosen packages, the name of the other side states the locked versions of these packages.
     """
@@ -115,7 +114,7 @@ def named_by_difference(sides: tuple[Checkout, Checkout], packages: tuple[Sequen
 
 
 def prune_checkouts(console: Console) -> int:
-    """Remove all kept checkouts from the cache; return their number."""
+    """Remove all checkouts from the cache; return their number."""
     folders = sorted(path for path in (CACHE / "checkouts").glob("*") if path.is_dir())
     for folder in folders:
         try:
@@ -128,7 +127,7 @@ def prune_checkouts(console: Console) -> int:
 
 
 def _folder(version: str, packages: Sequence[str], allow_dirty: bool) -> Checkout:
-    """Return a folder with a checkout and its environment as they are."""
+    """Return the checkout in a folder of the user, with the environment ``.venv`` of this folder."""
     checkout = Checkout(version, Path(version).resolve(), Path(version).resolve() / ".venv" / "bin" / "python")
     if packages:
         raise CheckoutError(
@@ -145,7 +144,7 @@ def _folder(version: str, packages: Sequence[str], allow_dirty: bool) -> Checkou
 
 
 def _refuse_changes(version: str, folder: Path, why: str) -> None:
-    """Raise an error for uncommitted changes of tracked files."""
+    """Raise an error if tracked files have uncommitted changes."""
     changed = call(version, ["git", "status", "--porcelain", "--untracked-files=no"], folder).splitlines()
     if changed:
         raise CheckoutError(

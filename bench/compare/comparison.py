@@ -41,7 +41,7 @@ def compare_runs(
         names: names of base and head, for the messages.
         across_versions: True to compare outcomes of different versions of an engine.
         poses: True to compare poses of different versions of an engine as well.
-        require_all: True if a trial of the base that the head does not have is an alarm.
+        require_all: True to raise an alarm for each trial of the base that the head lacks.
 
     Raises:
         SideFailedError: if all trials of a side failed.
@@ -82,7 +82,7 @@ def compare_runs(
 def _incomparable(
     base: Baseline, head: Baseline, one: TrialRecord, other: TrialRecord, across_versions: bool
 ) -> str | None:
-    """Return the reason for which two trials with the same id cannot be compared; None if they can."""
+    """Return the reason that excludes two trials with the same id from the comparison; None without a reason."""
     if _scene(one) != _scene(other):
         return "another scene under the same name"
     if one.engine_version != other.engine_version and not across_versions:
@@ -153,8 +153,12 @@ def _yardstick(base: Machine | None, head: Machine | None, went_same_way: bool) 
     """Return the reference part: the part of a frame that is the same in base and head.
 
     Returns:
-        ``core`` if both sides run the same code; else ``engine`` if all poses are the same; None otherwise, and for
-        different or unknown processors.
+        The first case that applies:
+
+        - None for different or unknown processors;
+        - ``core`` if both sides run the same code;
+        - ``engine`` if all poses are the same;
+        - None otherwise.
     """
     if base is None or head is None or other_processor(base, head) is not None:
         return None
@@ -168,7 +172,7 @@ def _tolerance(head: Baseline, record: TrialRecord) -> Tolerance:
 
 
 def _differences(base: Baseline, head: Baseline) -> Iterator[str]:
-    """Yield the differences between the two runs as a whole: processors, versions, commits."""
+    """Yield the differences between the two runs as a whole: processors, platforms, versions, commits and settings."""
     before, now = _circumstances(base), _circumstances(head)
     for what in dict.fromkeys([*before, *now]):
         was, are = (", ".join(sorted(side.get(what, {"unknown"}))) for side in (before, now))

@@ -63,7 +63,7 @@ class Comparison:
     """Number of trials of the base."""
 
     def alarms(self, gates: Collection[Gate] = GATES) -> list[Finding]:
-        """Return the findings that fail one of ``gates``."""
+        """Return the findings that fail a gate in ``gates``."""
         return [finding for finding in self.findings if finding.gate in gates and finding.is_alarm]
 
     def counts(self, gate: Gate) -> Counter[Judgement]:

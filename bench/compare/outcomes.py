@@ -1,7 +1,7 @@
 """The outcome gate, which judges levels, collapse level, verdict, sink and creep.
 
 The caller excludes trials that the time limit may have ended. For an engine that repeats bit for bit, the gate compares
-single trials. For another engine, it compares groups of repeats, because a single trial is a random draw.
+single trials. For another engine, the gate compares groups of repeats, because a single trial is a random draw.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def judge_draws(
 ) -> tuple[Judgement, str]:
     """Judge repeats of an engine that does not repeat bit for bit; return the judgement and its reasons.
 
-    The head is worse (better) only if each of its trials is worse (better) than each trial of the base.
+    The head is worse (better) only if each trial of the head is worse (better) than each trial of the base.
     """
     judged = [judge_outcome(one, other, tolerance) for one, other in product(base, head)]
     kinds = {judgement for judgement, _ in judged}
@@ -78,7 +78,7 @@ def _values(record: TrialRecord) -> str:
 
 
 def _judge_failure(base: TrialRecord, head: TrialRecord) -> tuple[Judgement, str]:
-    """Judge two trials, at least one of which was not played to its end."""
+    """Judge two trials if the harness did not play both trials to their ends."""
     message = f"{head.status}, was {base.status}"
     if head.message and head.status not in _PLAYED:
         message += f" ({head.message})"
@@ -90,7 +90,7 @@ def _judge_failure(base: TrialRecord, head: TrialRecord) -> tuple[Judgement, str
 
 
 def _lost(base: TrialRecord, head: TrialRecord) -> list[str]:
-    """Return a list with the verdict of ``head`` if ``base`` was right and ``head`` is not; else an empty list."""
+    """Return a list with the verdict of ``head`` if ``base`` is right and ``head`` is not right; else an empty list."""
     if _differ_in_creep_rule(base, head):
         return []
     return [f"{head.verdict}, was right"] if base.verdict == "right" and head.verdict != "right" else []
@@ -99,7 +99,7 @@ def _lost(base: TrialRecord, head: TrialRecord) -> list[str]:
 def _differ_in_creep_rule(base: TrialRecord, head: TrialRecord) -> bool:
     """Return whether one side is right and the other side creeps, and only one side has a measured creep.
 
-    An earlier record has no creep, because format 3 of the records introduced it.
+    A record from before format 3 has no creep, because format 3 introduced the field.
     """
     is_judged_alike = (base.creep_m_s is None) == (head.creep_m_s is None)
     return not is_judged_alike and {base.verdict, head.verdict} == {"right", "creeps"}

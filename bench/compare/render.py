@@ -29,7 +29,7 @@ _ASIDE = (
 
 
 def headline(comparison: Comparison, fail_on: Collection[Gate]) -> str:
-    """Summarise the comparison in one line: the alarms by gate, or the gates that could decide nothing."""
+    """Summarise the comparison in one line: the alarms by gate, or the gates without a decision."""
     alarms = comparison.alarms(fail_on)
     if alarms:
         counts = ", ".join(
@@ -99,7 +99,7 @@ _ENTITIES = {ord(letter): f"&#{ord(letter)};" for letter in "\\`*_[]!#@"}
 
 
 def markdown(comparison: Comparison, fail_on: Collection[Gate], pictures: Sequence[tuple[str, str]] = ()) -> str:
-    """Return Markdown for a job's summary or a comment; text of the files cannot become a link, an image or HTML.
+    """Return Markdown for a job's summary or a comment; escape links, images and HTML in text of the files.
 
     Args:
         comparison: the comparison.

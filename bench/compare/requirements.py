@@ -1,9 +1,9 @@
-"""Resolve the packages of an environment: those of the lock file, except the packages that the user chooses.
+"""Resolve the packages of an environment: the packages of the lock file, except the packages that the user chooses.
 
-A chosen package is an override: it replaces every other demand for this package. The resolver prefers the locked
-version of every other package, and changes a version only where a chosen package needs another one. Installed over the
-locked environment instead, a chosen package would meet versions that it does not support, and remains of the release
-that it replaces.
+A chosen package overrides every other demand for this package. The resolver prefers the locked version of every other
+package, and changes a version only where a chosen package needs another version. The module does not install a chosen
+package over the locked environment, because the package could meet unsupported versions and remains of the replaced
+release.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ def pinned(
 
 
 def _companions(chosen: Requirement) -> Iterator[str]:
-    """Yield the demands of ``_COMPANIONS`` for a chosen package; a file may be of any release."""
+    """Yield the demands of ``_COMPANIONS`` for a chosen package; without an exact version, assume release 99."""
     exact = [one.version for one in chosen.specifier if one.operator == "=="]
     for package, releases, companions in _COMPANIONS:
         if canonicalize_name(chosen.name) == package and any(releases.contains(one) for one in exact or ["99"]):
@@ -91,7 +91,7 @@ def _of_engines(group: Iterable[str], engines: Sequence[str]) -> Iterator[str]:
 
 
 def _named(name: str, suite: Path, package: str) -> str:
-    """Return a package as a requirement with its name: the name of a wheel or a folder is found by uv."""
+    """Return a package as a requirement with a name; uv finds the name of a wheel or a folder."""
     if not Path(package).exists():
         try:
             return str(Requirement(package))

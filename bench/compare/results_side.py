@@ -26,8 +26,8 @@ def read_folder(folder: Path) -> Baseline:
     """Return the side in a results folder.
 
     Raises:
-        BaselineError: if the folder has no trials, or a file is not one of a run.
-        JsonError, RecordError: if a record or an environment is not one of a run.
+        BaselineError: if the folder has no trials, or contains an invalid file.
+        JsonError, RecordError: if a record or an environment is invalid.
     """
     path = folder / TRIALS
     content = read_file(path)
@@ -61,7 +61,7 @@ def _trace_files(folder: Path, records: Sequence[TrialRecord]) -> dict[str, Path
 
 
 class _Kept(BaseModel):
-    """Fields of a study file that a comparison needs; ``Study`` would require that its engines are installed."""
+    """Fields of a study file that a comparison needs; ``Study`` would require the packages of its engines."""
 
     model_config = ConfigDict(extra="ignore", allow_inf_nan=False)
 

@@ -62,7 +62,7 @@ class Order(NamedTuple):
 
 
 class RemoteOutcome(NamedTuple):
-    """Outcome of a trial, with the environment of the worker that ran it."""
+    """Outcome of a trial, with the environment of the worker that ran the trial."""
 
     outcome: Outcome
     environment: Mapping[str, Any]

@@ -3,7 +3,7 @@
 The 95 % interval of the slope comes from Kiefer, Vogelsang and Bunzel (Econometrica 68, 2000): the variance estimator
 of Newey and West with the length of the series as bandwidth. The usual interval of a regression assumes independent
 frames. Frames are not independent, because a vibrating or oscillating brick is close to its position in the frame
-before. Therefore the usual interval would find creep in stacks that only oscillate. The estimator of this module
+before. Therefore the usual interval could find creep in stacks that only oscillate. The estimator of this module
 requires no choice of a bandwidth. The interval becomes wide if a series oscillates slowly, or if its slope is not
 steady.
 

@@ -1,4 +1,4 @@
-"""Audit sleeping: measure the time for which a brick that must move by theory keeps its pose."""
+"""Audit sleeping: measure the time for which a brick keeps its pose although theory demands that the brick moves."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class SleepAudit:
 
     @property
     def moved_after_s(self) -> float | None:
-        """Longest time that a brick took to cover its required distance [s]; None if a brick never did."""
+        """Longest time that a brick took to cover its required distance [s]; None if a brick did not reach it."""
         times = [one.moved_after_s for one in self._watched]
         return None if None in times else max(time for time in times if time is not None)
 

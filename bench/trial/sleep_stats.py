@@ -21,7 +21,7 @@ class SleepStats:
         """Record one frame.
 
         Args:
-            begin: start of the frame [s], at which new bodies were released.
+            begin: start of the frame [s], which is the release time of new bodies.
             end: end of the frame [s], at which the core froze and unfroze bodies.
             bodies: ids of all bodies in the world.
             frozen: ids of the bodies that the core froze in this frame.

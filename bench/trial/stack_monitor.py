@@ -53,7 +53,7 @@ class Collapse:
 
 
 class StackMonitor:
-    """Monitor of a stack, which receives the poses after every frame. All times are simulated."""
+    """Monitor of a stack, which receives the poses after every frame. All times are simulated times."""
 
     def __init__(self, creep_from_s: float, pace: float = 1.0) -> None:
         """Prepare to monitor a stack.
@@ -75,7 +75,7 @@ class StackMonitor:
 
     @property
     def is_over(self) -> bool:
-        """True if a collapse has been watched for its ``aftermath_s``."""
+        """True if the monitor has watched a collapse for its ``aftermath_s``."""
         return self.collapse is not None and self._latest_s - self.collapse.time >= self.collapse.aftermath_s
 
     @property
@@ -96,7 +96,7 @@ class StackMonitor:
             position: centres of the bricks [m], shape (n, 3), world frame; the array must not change later.
             quaternion: orientations of the bricks (w, x, y, z), shape (n, 4), world frame; the array must not change
                 later.
-            placed: time at which the last brick of each complete level was released [s], by level.
+            placed: release time of the last brick of each complete level [s], by level.
         """
         self._latest_s, self._thickness = time, plan.thickness
         self._creep.see(time, position - plan.position)
