@@ -39,7 +39,7 @@ REPORT = "report"
 
 
 class ResultsFolder:
-    """A folder with the results of a run, or with their published part."""
+    """A folder with the results of a run, or with the published part of the results."""
 
     def __init__(self, path: Path) -> None:
         """Keep the path of the folder; properties read the files on first use."""

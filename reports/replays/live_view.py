@@ -1,6 +1,6 @@
 """A live view of a running trial in the viewer of Rerun (https://rerun.io), which shows logged 3-D data.
 
-The package ``rerun-sdk`` sends the poses and contains the viewer; the package is optional, because it takes 0.5 GB.
+The package ``rerun-sdk`` sends the poses and contains the viewer. It is optional, because it takes 0.5 GB.
 """
 
 from __future__ import annotations

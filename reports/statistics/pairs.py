@@ -2,7 +2,7 @@
 
 A pair counts as correct only if both outcomes are correct, because single trials reward trivial policies. A policy that
 freezes everything also holds the scene that must fall. A policy that freezes nothing may drop the scene that must
-stand. Each of these policies gets half of all trials right.
+stand. Each of these policies may get half of all trials right.
 """
 
 from __future__ import annotations
