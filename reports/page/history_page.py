@@ -49,7 +49,7 @@ def failures_table(history: History) -> Table:
 
 
 def steps_table(history: History) -> Table:
-    """Return the table of steps with the quoted lines that explain them."""
+    """Return the table of steps with the quoted lines that explain the steps."""
     series = {one.name: one for one in history.series}
     rows = tuple(
         (

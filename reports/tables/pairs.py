@@ -26,7 +26,7 @@ def pair_tables(rows: Sequence[PairRow]) -> list[Table]:
 
 
 def pairs_csv(rows: Sequence[PairRow]) -> str:
-    """Return the rows as CSV with every share and the ends of its interval."""
+    """Return the rows as CSV, with the success rate, the rate of each error, and the ends of their intervals."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     names = ("right", *MISSES)

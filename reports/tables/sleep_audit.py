@@ -1,4 +1,4 @@
-"""The table of the sleep audit: for bricks that must move, the time asleep and the time until they moved far enough."""
+"""The table of the sleep audit: for bricks that must move, the time asleep and the time to the required motion."""
 
 from __future__ import annotations
 
