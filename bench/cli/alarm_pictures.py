@@ -23,8 +23,8 @@ _PIXELS = (960, 540)
 def draw_alarms(comparison: Comparison, gates: Collection[Gate], head: Path, to: Path) -> list[tuple[str, Path]]:
     """Draw the end of each trial of the head with a worse outcome, beside the same stack without a policy.
 
-    The picture omits the stack without a policy if the folder has no recording of it. The function skips a trial
-    without a recording, and prints the reason.
+    The picture omits the stack without a policy if the folder has no recording of this stack. The function skips a
+    trial without a recording, and prints the reason.
 
     Args:
         comparison: the comparison.

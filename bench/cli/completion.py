@@ -125,6 +125,6 @@ def _shell() -> str:
     name = Path(os.environ.get("SHELL", "")).name
     if name not in SCRIPTS:
         raise typer.BadParameter(
-            f"expected the shell in SHELL to be one of {', '.join(SCRIPTS)}, got {name or 'nothing'!r}: set SHELL"
+            f"SHELL must be one of {', '.join(SCRIPTS)}, got {name or 'nothing'!r}: set SHELL to one of these shells"
         )
     return name

@@ -116,7 +116,7 @@ def from_back_to_front(boxes: Boxes, toward: FloatArray) -> list[int]:
 
 
 def _gap(lower: FloatArray, upper: FloatArray, directions: FloatArray) -> float:
-    """Return the widest gap [m] between two boxes along n directions; negative if the boxes overlap along every one.
+    """Return the widest gap [m] between two boxes along n directions; negative for boxes without a gap.
 
     Args:
         lower: corners [m] of the first box, shape (8, 3).

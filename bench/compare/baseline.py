@@ -50,8 +50,8 @@ def of_engines(side: Baseline, engines: Sequence[str] | None) -> Baseline:
     if not trials:
         has = ", ".join(sorted({record.engine for record in side.trials}))
         raise BaselineError(
-            f"each side must have a trial of {', '.join(engines)}, but one side has none: choose from its "
-            f"engines, {has}"
+            f"each side must have a trial of {', '.join(engines)}, but the side of study '{side.study}' has none: "
+            f"choose from its engines, {has}"
         )
     return side.model_copy(update={"trials": trials})
 
@@ -90,8 +90,8 @@ def write_baseline(baseline: Baseline, path: Path) -> None:
 
 def _read_baseline_file(path: Path) -> Baseline:
     content = read_file(path)
-    found = parse(content, str(path))
-    if not isinstance(found, dict) or found.get("format") != FORMAT:
+    value = parse(content, str(path))
+    if not isinstance(value, dict) or value.get("format") != FORMAT:
         raise JsonError(
             f"{path}: not a baseline ('format' is not '{FORMAT}'): create one with 'bench baseline DIR -o FILE', or "
             "name a results folder"

@@ -172,16 +172,17 @@ def read_benchmarks(path: Path) -> FrameTimes:
         ) from error
     versions: dict[Group, str] = {}
     ratios: dict[Group, FloatArray] = {}
-    for one in file.benchmarks:
-        info = one.extra_info
-        cell = Group(info.engine, info.profile, f"{info.scene}-{info.levels}", info.policy)
+    for benchmark in file.benchmarks:
+        info = benchmark.extra_info
+        group = Group(info.engine, info.profile, f"{info.scene}-{info.levels}", info.policy)
         if info.policy == ALONE:
             continue
-        if cell in ratios:
+        if group in ratios:
             raise BaselineError(
-                f"{path}: benchmark {one.fullname[:200]!r} must occur once, but occurs twice; remove the second entry"
+                f"{path}: benchmark {benchmark.fullname[:200]!r} must occur once, but occurs twice; remove the second "
+                "entry"
             )
-        versions[cell], ratios[cell] = info.version, _ratios(path, one)
+        versions[group], ratios[group] = info.version, _ratios(path, benchmark)
     if not ratios:
         raise BaselineError(
             f"{path}: a comparison needs frame times with the extension, but the file contains none; create a file of "
@@ -206,28 +207,28 @@ def compare_benchmarks(base: FrameTimes, head: FrameTimes, *, across_versions: b
         across_versions: True to compare different versions of an engine.
 
     Raises:
-        NothingInCommonError: if the files have no stack in common with frame times with the extension.
+        NothingInCommonError: if the files contain no frame times of a common stack with the extension.
     """
     if not base.ratios.keys() & head.ratios.keys():
         raise NothingInCommonError(
-            f"{base.name} and {head.name} have no stack in common that is timed with the extension: create both files "
-            "with 'uv run pytest --benchmark-only'"
+            f"{base.name} and {head.name} must contain frame times of a common stack with the extension, but do not: "
+            "create both files with 'uv run pytest --benchmark-only'"
         )
     findings = [
-        Finding("time", str(cell), "open", "missing in the head") for cell in base.ratios if cell not in head.ratios
+        Finding("time", str(group), "open", "missing in the head") for group in base.ratios if group not in head.ratios
     ]
     findings += [
-        Finding("time", str(cell), "open", "new: not in the base") for cell in head.ratios if cell not in base.ratios
+        Finding("time", str(group), "open", "new: not in the base") for group in head.ratios if group not in base.ratios
     ]
-    groups: dict[str, list[Group]] = defaultdict(list)
-    for cell in head.ratios:
-        if cell in base.ratios:
-            why = _incomparable(base, head, cell, across_versions)
+    by_figure: dict[str, list[Group]] = defaultdict(list)
+    for group in head.ratios:
+        if group in base.ratios:
+            why = _incomparable(base, head, group, across_versions)
             if why is None:
-                groups[cell.group].append(cell)
+                by_figure[group.group].append(group)
             else:
-                findings.append(Finding("time", str(cell), "open", why))
-    findings += [_judged(base, head, name, cells) for name, cells in groups.items()]
+                findings.append(Finding("time", str(group), "open", why))
+    findings += [_judged(base, head, name, groups) for name, groups in by_figure.items()]
     notes = tuple(
         f"{what}: {are}, was {base.circumstances[what]}"
         for what, are in head.circumstances.items()
@@ -236,26 +237,26 @@ def compare_benchmarks(base: FrameTimes, head: FrameTimes, *, across_versions: b
     return Comparison(base.name, head.name, findings, notes, ABOUT)
 
 
-def _incomparable(base: FrameTimes, head: FrameTimes, cell: Group, across_versions: bool) -> str | None:
+def _incomparable(base: FrameTimes, head: FrameTimes, group: Group, across_versions: bool) -> str | None:
     """Return the reason that excludes the frame ratios of a group from the comparison; None without a reason."""
     if base.processor is None or head.processor is None:
         return "its processor is unknown"
     if base.processor != head.processor:
         return f"on {head.processor}, was on {base.processor}"
-    was, now = base.versions[cell], head.versions[cell]
+    was, now = base.versions[group], head.versions[group]
     if was != now and not across_versions:
-        return f"{cell.engine} {now}, was {was} (--across-versions compares them)"
+        return f"{group.engine} {now}, was {was} (--across-versions compares them)"
     return None
 
 
-def _judged(base: FrameTimes, head: FrameTimes, name: str, cells: Sequence[Group]) -> Finding:
+def _judged(base: FrameTimes, head: FrameTimes, name: str, groups: Sequence[Group]) -> Finding:
     """Judge the frame ratios of all stacks of an engine, profile and policy."""
     pairs: list[tuple[float, float]] = []
     figures = []
-    for cell in cells:
-        was, now = base.ratios[cell], head.ratios[cell]
+    for group in groups:
+        was, now = base.ratios[group], head.ratios[group]
         pairs += zip(was.tolist(), now.tolist(), strict=False)
-        figures.append(f"{cell.stack} {_middle(now):.3f}, was {_middle(was):.3f}")
+        figures.append(f"{group.stack} {_middle(now):.3f}, was {_middle(was):.3f}")
     judgement, message = judge_times(pairs, TOLERANCE.time_share)
     return Finding("time", name, judgement, f"{message} ({'; '.join(figures)})")
 
@@ -296,9 +297,9 @@ def _is_benchmark_file(path: Path) -> bool:
 
 
 def _frame_benchmarks(content: Any) -> Iterator[Any]:
-    for one in content["benchmarks"]:
-        if one["extra_info"].get("format") == FORMAT:
-            yield one
+    for benchmark in content["benchmarks"]:
+        if benchmark["extra_info"].get("format") == FORMAT:
+            yield benchmark
 
 
 def _first(error: Exception) -> str:

@@ -36,7 +36,7 @@ class Checkout:
         Args:
             study: file of the study.
             out: results folder.
-            report: False to write no report, if this version of the suite has an option for that.
+            report: False to write no report, if this version of the suite can omit the report.
 
         Raises:
             CheckoutError: if the run fails.
@@ -58,7 +58,7 @@ def prepare(
 
     Args:
         version: a commit, a branch or a tag; or a folder with a checkout, which stays unchanged.
-        packages: packages that replace the locked ones, such as the wheel of another build of an engine.
+        packages: packages that replace locked packages, such as the wheel of another build of an engine.
         console: console that shows the start of each slow step.
         engines: names of the engines to install.
         allow_dirty: True to accept uncommitted changes.
@@ -74,7 +74,7 @@ def prepare(
 
 
 def checked_out(version: str, console: Console, *, allow_dirty: bool = False) -> Path:
-    """Return the folder of a kept checkout of a commit, a branch or a tag, without an environment.
+    """Return the folder in the cache of a checkout of a commit, a branch or a tag, without an environment.
 
     Raises:
         CheckoutError: if the version does not exist, or is the present commit and the checkout has uncommitted changes.
@@ -100,12 +100,12 @@ def named_by_difference(sides: tuple[Checkout, Checkout], packages: tuple[Sequen
     If only one side has chosen packages, the name of the other side states the locked versions of these packages.
     """
     pins = [dict(pin.partition("==")[::2] for pin in side.pins if "==" in pin) for side in sides]
-    chosen = sorted({name for one in pins for name in one if len({pin.get(name) for pin in pins}) > 1})
+    chosen = sorted({name for versions in pins for name in versions if len({pin.get(name) for pin in pins}) > 1})
     names = []
     for side, pin, asked in zip(sides, pins, packages, strict=True):
-        replaced = [Path(one).name if Path(one).exists() else one.replace("==", " ") for one in asked]
-        chosen_names = {one.split(" ")[0] for one in replaced}
-        wanted = {one.partition("==")[0] for other in packages for one in other}
+        replaced = [Path(package).name if Path(package).exists() else package.replace("==", " ") for package in asked]
+        chosen_names = {package.split(" ")[0] for package in replaced}
+        wanted = {package.partition("==")[0] for of_side in packages for package in of_side}
         kept = [f"{name} {pin[name]}" for name in chosen if name in wanted - chosen_names and name in pin]
         same_suite = sides[0].name == sides[1].name
         parts = [*([] if same_suite else [side.name]), *replaced, *kept]
@@ -139,7 +139,7 @@ def _folder(version: str, packages: Sequence[str], allow_dirty: bool) -> Checkou
             f"{version}: the folder must contain an environment (.venv), but does not: run 'uv sync' there"
         )
     if not allow_dirty and (checkout.folder / ".git").exists():
-        _refuse_changes(version, checkout.folder, "no commit would name what was compared")
+        _refuse_changes(version, checkout.folder, "no commit would name the compared sources")
     return checkout
 
 

@@ -50,5 +50,5 @@ def call(name: str, command: Sequence[str], folder: Path, fix: str = "correct th
 
 def _reason(output: str) -> str:
     """Return an error output as one line, from the last line "error: ..." on, without earlier warnings."""
-    _, found, last = ("\n" + output).rpartition("\nerror: ")
-    return " ".join((last if found else output).split())
+    _, mark, last = ("\n" + output).rpartition("\nerror: ")
+    return " ".join((last if mark else output).split())

@@ -1,5 +1,6 @@
-"""Sides whose trials all failed. A comparison with a failed side has no result, because this side states nothing about
-stacking.
+"""Sides whose trials all failed.
+
+A comparison with a failed side has no result, because this side states nothing about stacking.
 
 A trial failed if an error, a crash or a lack of memory ended the trial. A trial that collapsed, diverged or reached its
 time limit has a result.
@@ -37,7 +38,7 @@ def require_results(side: Baseline, name: str) -> None:
         return
     first = _first(side.trials)
     raise SideFailedError(
-        f"{name}: all {len(side.trials)} trials failed, so that nothing can be compared; the first, "
+        f"{name}: all {len(side.trials)} trials failed, so that a comparison has no result; the first failure, "
         f"{plain(first.trial)}: {first.status}: {plain(first.message) or 'no message'}; correct this failure, or "
         "choose another version"
     )

@@ -42,7 +42,7 @@ def run_interleaved(
     out.mkdir(parents=True, exist_ok=True)
     plan = (out / "study.toml").resolve()
     write_atomic(plan, to_toml(_without_tolerances(study)).encode())
-    found: tuple[list[Baseline], list[Baseline]] = ([], [])
+    results: tuple[list[Baseline], list[Baseline]] = ([], [])
     for number in range(rounds):
         for side in (0, 1) if number % 2 == 0 else (1, 0):
             folder = out / f"{('base', 'head')[side]}-{number + 1}"
@@ -50,9 +50,9 @@ def run_interleaved(
             sides[side].run(plan, folder.resolve())
             run = read_baseline(folder)
             require_results(run, sides[side].name)
-            found[side].append(run)
-    tolerances = {one.name: one.tolerance for one in study.scenario}
-    base, head = (as_repeats(runs, study.repeats) for runs in found)
+            results[side].append(run)
+    tolerances = {scenario.name: scenario.tolerance for scenario in study.scenario}
+    base, head = (as_repeats(runs, study.repeats) for runs in results)
     return base, head.model_copy(update={"tolerances": tolerances})
 
 

@@ -47,7 +47,7 @@ def judge_draws(
 
     The head is worse (better) only if each trial of the head is worse (better) than each trial of the base.
     """
-    judged = [judge_outcome(one, other, tolerance) for one, other in product(base, head)]
+    judged = [judge_outcome(was, now, tolerance) for was, now in product(base, head)]
     kinds = {judgement for judgement, _ in judged}
     if len(kinds) > 1:
         return "same", ""
@@ -107,19 +107,19 @@ def _differ_in_creep_rule(base: TrialRecord, head: TrialRecord) -> bool:
 
 def _less(base: TrialRecord, head: TrialRecord, tolerance: Tolerance) -> list[str]:
     """Return the figures in which ``head`` is worse than ``base`` by more than the tolerance."""
-    found = []
+    reasons = []
     if _fall_error(head) > _fall_error(base) + tolerance.levels:
-        found.append(f"{_fall(head)}, {_fall(base)} before")
+        reasons.append(f"{_fall(head)}, {_fall(base)} before")
     if head.expectation.outcome != "fall" and head.height_levels < base.height_levels - tolerance.levels:
-        found.append(f"{head.height_levels} of {head.levels_planned} levels, {base.height_levels} before")
+        reasons.append(f"{head.height_levels} of {head.levels_planned} levels, {base.height_levels} before")
     if head.height_levels == base.height_levels:  # sinks of stacks of different heights are not comparable
         allowed = _allowed(base.sink_m, tolerance.sink_m, tolerance.sink_share)
         if _exceeds(head.sink_m, allowed):
-            found.append(f"sinks {_figure(head.sink_m, 'mm')}, {_figure(base.sink_m, 'mm')} before")
+            reasons.append(f"sinks {_figure(head.sink_m, 'mm')}, {_figure(base.sink_m, 'mm')} before")
     allowed = _allowed(base.creep_m_s, tolerance.creep_m_s, tolerance.creep_share)
     if _exceeds(_certain_creep(head), allowed):
-        found.append(f"creeps {_figure(head.creep_m_s, 'mm/s')}, {_figure(base.creep_m_s, 'mm/s')} before")
-    return found
+        reasons.append(f"creeps {_figure(head.creep_m_s, 'mm/s')}, {_figure(base.creep_m_s, 'mm/s')} before")
+    return reasons
 
 
 def _certain_creep(record: TrialRecord) -> float | None:

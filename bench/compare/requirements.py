@@ -59,9 +59,9 @@ def pinned(
     optional = {_OPTIONAL_GROUPS[engine] for engine in engines if engine in _OPTIONAL_GROUPS}
     known = project["dependency-groups"]
     wanted = [group for group in (*_GROUPS, *sorted(optional)) if group in known]
-    demands = [*project["project"]["dependencies"], *(one for group in wanted for one in known[group])]
+    demands = [*project["project"]["dependencies"], *(demand for group in wanted for demand in known[group])]
     demands += _of_engines(known[ENGINES_GROUP], engines)
-    chosen += [companion for one in list(chosen) for companion in _companions(Requirement(one))]
+    chosen += [companion for package in list(chosen) for companion in _companions(Requirement(package))]
     demands += chosen
     overrides = [*project["tool"]["uv"].get("override-dependencies", ()), *chosen]
     with TemporaryDirectory() as scratch:
@@ -78,16 +78,16 @@ def pinned(
 
 def _companions(chosen: Requirement) -> Iterator[str]:
     """Yield the demands of ``_COMPANIONS`` for a chosen package; without an exact version, assume release 99."""
-    exact = [one.version for one in chosen.specifier if one.operator == "=="]
+    exact = [clause.version for clause in chosen.specifier if clause.operator == "=="]
     for package, releases, companions in _COMPANIONS:
-        if canonicalize_name(chosen.name) == package and any(releases.contains(one) for one in exact or ["99"]):
+        if canonicalize_name(chosen.name) == package and any(releases.contains(release) for release in exact or ["99"]):
             yield from companions
 
 
 def _of_engines(group: Iterable[str], engines: Sequence[str]) -> Iterator[str]:
     """Yield the requirements of a group that are packages of the engines."""
     packages = {canonicalize_name(getattr(ENGINES[engine], "package", engine)) for engine in engines}
-    return (one for one in group if canonicalize_name(Requirement(one).name) in packages)
+    return (demand for demand in group if canonicalize_name(Requirement(demand).name) in packages)
 
 
 def _named(name: str, suite: Path, package: str) -> str:
@@ -114,9 +114,9 @@ def _locked(name: str, suite: Path, groups: Sequence[str]) -> list[str]:
     options = [option for group in groups for option in ("--group", group)]
     plain = ["--no-hashes", "--no-emit-project", "--no-default-groups", *_PLAIN]
     text = call(name, [UV, "export", "--locked", *plain, *options], suite, "run 'uv lock' in this version")
-    found = []
+    pins = []
     for line in text.splitlines():
         pin, _, marker = line.partition(" ; ")
         if not marker or Marker(marker).evaluate():
-            found.append(pin.strip())
-    return found
+            pins.append(pin.strip())
+    return pins

@@ -51,7 +51,7 @@ class Machine(_Model):
 
     def runs_same_code(self, other: Machine) -> bool:
         """Return whether sources, Python and packages are known and equal on both machines; engines may differ."""
-        mine, its = ((one.sources, one.python, one.packages) for one in (self, other))
+        mine, its = ((machine.sources, machine.python, machine.packages) for machine in (self, other))
         return self.sources is not None and mine == its
 
 
@@ -113,7 +113,9 @@ class Baseline(_Model):
                 return read_pose_trace(file)
             return None if text is None else unpacked(text)
         except PoseTraceError as error:
-            raise BaselineError(f"{error}; create the baseline again with 'bench baseline'") from error
+            raise BaselineError(
+                f"pose hash {pose_hash}: {error}; create the baseline again with 'bench baseline'"
+            ) from error
 
     def with_trace_files(self, files: Mapping[str, Path]) -> Baseline:
         """Return this side with further files of pose traces, by pose hash."""

@@ -112,12 +112,12 @@ def judge_times(pairs: Sequence[tuple[float, float]], least: float) -> tuple[Jud
     """
     if len(pairs) < LEAST_PAIRS:
         return "open", f"undecided: {len(pairs)} pairs of trials, {LEAST_PAIRS} are needed"
-    found = interval(pairs)
-    message = f"{found} times the base"
-    if found.low > 1 + least:
+    ratio = interval(pairs)
+    message = f"{ratio} times the base"
+    if ratio.low > 1 + least:
         return "worse", message
-    if found.high < 1 / (1 + least):
+    if ratio.high < 1 / (1 + least):
         return "better", message
-    if found.high <= 1 + least:
+    if ratio.high <= 1 + least:
         return "same", message
     return "open", f"undecided: {message}"

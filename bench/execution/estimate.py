@@ -13,7 +13,7 @@ median of the scaled wall times over the first of these sets that is not empty:
 7. trials with the same use of the stability core;
 8. all trials.
 
-For sets 5 to 8, the estimate scales the wall time per level and simulated second.
+For sets 5 to 8, the estimate uses the wall time per level and simulated second.
 """
 
 from __future__ import annotations

@@ -92,7 +92,7 @@ def kept_records(wanted: str) -> list[tuple[str, bytes]]:
     """
     branch, separator, path = wanted.partition(":")
     if not (branch and separator and path):
-        raise VersionsError(f"--records must be BRANCH:PATH, such as records:stacking.json, got {wanted!r}: correct it")
+        raise VersionsError(f"--records must be BRANCH:PATH, such as records:stacking.json, got {wanted!r}: give both")
     log = ["git", "log", "--first-parent", "--reverse", "--format=%H %cs", "--diff-filter=AM", branch, "--", path]
     lines = [line.split() for line in call(branch, log, ROOT).splitlines()]
     if not lines:

@@ -38,7 +38,7 @@ def slope_deg(position: FloatArray) -> float | None:
 
 
 class PileMonitor:
-    """Monitor of a pile, which receives the poses after every frame. All times are simulated times."""
+    """Monitor that receives the poses of a pile after every frame. All times are simulated times."""
 
     collapse = None
     """Collapse of the pile: always None, because no brick has a planned place."""

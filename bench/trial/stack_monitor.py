@@ -53,7 +53,7 @@ class Collapse:
 
 
 class StackMonitor:
-    """Monitor of a stack, which receives the poses after every frame. All times are simulated times."""
+    """Monitor that receives the poses of a stack after every frame. All times are simulated times."""
 
     def __init__(self, creep_from_s: float, pace: float = 1.0) -> None:
         """Prepare to monitor a stack.

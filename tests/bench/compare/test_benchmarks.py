@@ -226,7 +226,7 @@ def _rename_engine(content) -> None:
         (lambda content: content.update(benchmarks=[1]), "not a complete file of pytest-benchmark"),
         (lambda content: content.update(benchmarks=1), "not a complete file of pytest-benchmark"),
         (lambda content: steered(content)[0]["stats"].update(data=[-1.0]), "benchmarks.1.stats.data.0"),
-        (_rename_engine, "have no stack in common that is timed with the extension"),
+        (_rename_engine, "must contain frame times of a common stack with the extension"),
     ],
 )
 def test_a_file_that_cannot_be_used_is_refused_with_the_reason(base, tmp_path, change, message) -> None:
