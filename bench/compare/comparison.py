@@ -17,7 +17,7 @@ from scenarios.registry import with_defaults
 
 
 class NothingInCommonError(ValueError):
-    """Two sides that share no trial, so that a comparison can state neither a pass nor a regression."""
+    """Two sides without a common trial, so that a comparison can state neither a pass nor a regression."""
 
 
 Pair = tuple[TrialRecord, TrialRecord]

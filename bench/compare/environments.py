@@ -1,4 +1,4 @@
-"""Environments with resolved packages. Comparisons share an environment with the same packages, and keep it for later.
+"""Environments with resolved packages, which comparisons share and keep for later comparisons.
 
 An environment contains exactly the resolved packages, without the suite, which runs from a checkout's folder. An
 environment may extend a shared environment. Then it contains only the packages that the shared environment lacks or has

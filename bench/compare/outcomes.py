@@ -134,7 +134,7 @@ def _certain_creep(record: TrialRecord) -> float | None:
 def _fall_error(record: TrialRecord) -> int:
     """Return the absolute difference [levels] between the collapse level and the level that theory demands.
 
-    A stack that stands counts as a stack that falls at the level above its last level.
+    For a standing stack, the collapse level is the level above the last level of the stack.
     """
     beyond = record.levels_planned + 1
     falls_at = beyond if record.collapse_level is None else record.collapse_level

@@ -1,4 +1,4 @@
-"""Estimate the duration of a plan from earlier trials, here or published, scaled to this machine.
+"""Estimate the duration of a plan on this machine, from earlier trials in results folders and published folders.
 
 The estimate scales each earlier wall time by a ratio: the time of a fixed calculation (``bench.machine.calibration``)
 on this machine now, divided by the time of the same calculation before and after the earlier trial. The estimate is the

@@ -1,4 +1,4 @@
-"""The last module that the fork server imports; this module imports the modules that all trials need.
+"""The module that the fork server imports last, to load the modules for all trials.
 
 The module registers the engines outside this repository, because a trial inherits the registry of the server. It also
 excludes the loaded objects from garbage collection. Otherwise the first collection in each trial would touch, and

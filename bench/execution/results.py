@@ -55,7 +55,7 @@ def check_folder(folder: Path) -> None:
 
 
 def changes(folder: Path, study: Study, environment: Mapping[str, Any]) -> list[str]:
-    """Return the names of the properties in which this run differs from the run that wrote ``folder``.
+    """Return the names of the properties that differ between this run and the earlier run in ``folder``.
 
     The list is empty if the folder has no trials.
     """
@@ -106,8 +106,8 @@ class Results:
                 environment.
 
         Raises:
-            ResultsError: if this process cannot write into the folder, if another run uses the folder, or if the trials
-                in the folder belong to another study or environment and ``accept_changes`` is False.
+            ResultsError: if this process cannot write into the folder; if another run uses the folder; or, without
+                ``accept_changes``, if the trials in the folder belong to another study or environment.
         """
         check_folder(folder)
         folder.mkdir(parents=True, exist_ok=True)

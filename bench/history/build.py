@@ -59,7 +59,7 @@ def build_history(
 
 
 def steps_of(history: History, explanations: Sequence[Explanation] = ()) -> list[Step]:
-    """Return the steps of all figures, by version; a step has an explanation if ``explanations`` contains one."""
+    """Return the steps of all figures, by version; a step has its explanation from ``explanations``, if any."""
     versions = [point.version for point in history.points]
     steps = [step for series in history.series for step in _of_series(series, versions, explanations)]
     return sorted(steps, key=lambda step: versions.index(step.version))

@@ -63,7 +63,7 @@ def measure_release(
         study: file of the study.
         out: folder of the history.
         console: console that shows the start of each slow step.
-        keep: False to remove the environment afterwards, if the function created it.
+        keep: False to remove the environment afterwards, if the function created the environment.
     """
 
     def run(folder: Path) -> None:

@@ -1,4 +1,4 @@
-"""A digest of the core's code without its prose, which identifies the core that made a published page.
+"""A digest of the core's code without prose, to identify the core of a published page.
 
 The digest covers the syntax trees of all Python files of ``stability_core`` except its ports to engines, sorted by
 name. The digest leaves out the ports, because a port only passes data between engine and core. The digest ignores

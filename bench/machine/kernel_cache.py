@@ -2,8 +2,8 @@
 
 Numba's cache detects a change of the kernel's own file, but not a change of an inlined kernel in another file. After an
 update of the checkout, Numba would therefore use stale kernels. A folder whose name contains the digest of all sources
-prevents this. NumPy 1, which an old engine may need, has folders of its own, because NumPy 1 cannot load kernels from
-NumPy 2.
+prevents the use of stale kernels. NumPy 1, which an old engine may need, has folders of its own, because NumPy 1 cannot
+load kernels from NumPy 2.
 """
 
 from __future__ import annotations

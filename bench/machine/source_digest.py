@@ -1,4 +1,4 @@
-"""A digest of the sources, which identifies the code and the engine settings that made a result."""
+"""A digest of the sources, to identify the code and the engine settings of a result."""
 
 from __future__ import annotations
 

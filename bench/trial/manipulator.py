@@ -61,7 +61,7 @@ class Manipulator:
                 self._listener.disturb((body,))
 
     def push(self, body: int, impulse: Vector) -> None:
-        """Strike a body with an ``impulse`` [N s] and release it."""
+        """Strike a body with an ``impulse`` [N s] and release the body."""
         self._simulation.push(body, impulse)
         self._let_go(body)
 

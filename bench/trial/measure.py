@@ -1,6 +1,6 @@
 """Measure whether a stack stands, and how well: pure functions of planned and actual poses.
 
-A brick is in place unless one of four kinds of collapse has displaced it:
+A brick is in place unless one of four kinds of collapse has displaced the brick:
 
 - topple: the brick has tilted by more than 15 degrees from its planned orientation;
 - slide: the brick has moved horizontally by more than its thickness from its release position;
@@ -188,8 +188,11 @@ def faults(plan: Plan, position: FloatArray, quaternion: FloatArray) -> Faults:
 def _fell_freely(plan: Plan, position: FloatArray, quaternion: FloatArray, sunk: FloatArray) -> BoolArray:
     """Return the mask of the bricks that fell through free space, shape (n,).
 
-    A brick fell freely if its level has sunk by more than ``DROP_LIMIT``, and the brick overlaps lower bricks and the
-    ground by less than ``SINK_LIMIT``. A brick that passed through a lower brick or the ground counts as overlapping.
+    A brick fell freely if both conditions hold:
+
+    - The level of the brick has sunk by more than ``DROP_LIMIT``.
+    - The brick overlaps lower bricks and the ground by less than ``SINK_LIMIT``. A brick that passed through a lower
+      brick or the ground counts as overlapping.
     """
     fallen = sunk > DROP_LIMIT * plan.thickness
     if not fallen.any():

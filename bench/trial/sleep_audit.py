@@ -1,4 +1,4 @@
-"""Audit sleeping: measure the time for which a brick keeps its pose although theory demands that the brick moves."""
+"""Audit sleeping: measure the time for which a brick keeps its pose although theory demands a motion of the brick."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ because their falls take longer in this proportion."""
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """Measurements of a stack in the last frame in which it was intact, before the next level started."""
+    """Measurements of an intact stack, in the last frame before its collapse or before the start of the next level."""
 
     level: int
     """Highest level that stands intact with all levels below it."""

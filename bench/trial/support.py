@@ -47,8 +47,8 @@ def drop_heights(plan: Plan, position: FloatArray, taken: Brick, left: Sequence[
 def _room(upper: Boxes, lower: Boxes) -> FloatArray:
     """Return the distance by which each of m upper boxes can move down to the first lower box [m], shape (m,).
 
-    The distance is infinite for a box without a lower box below it. Of two overlapping boxes, the upper box is the box
-    that needs the smaller upward motion to separate them.
+    The distance is infinite for an upper box above no lower box. Of two overlapping boxes, the upper box is the box
+    that needs the smaller upward motion to end the overlap.
     """
     down, up = vertical_clearance(upper, lower), vertical_clearance(lower, upper).T
     room: FloatArray = np.where(down > up, down, np.inf).min(axis=1, initial=np.inf)

@@ -183,7 +183,7 @@ def _study_file(folder: Path) -> str:
 
 
 def _row_data(groups: Sequence[Group], names: Mapping[str, str], study: str | None) -> dict[str, Any]:
-    """Return the data from which the page builds the command that reproduces a row, and the theory of each scene."""
+    """Return the data for the commands that reproduce the rows, and the theory of each scene."""
     return {
         "command": ["uv", "run", "-m", "bench", "run", *([study] if study is not None else [])],
         "seeds": Counter(map(_seeds, groups)).most_common(1)[0][0],

@@ -92,8 +92,8 @@ def _holds_everything(one: PolicyScore) -> str:
 def _cost(one: PolicyScore) -> str:
     """Return a sentence with the median frame ratio of the scenes and its interval.
 
-    For an even number of scenes, the sentence gives the upper of the two middle ratios, because each interval belongs
-    to the ratio of one scene.
+    For an even number of scenes, the sentence gives the upper of the two middle ratios, because only the ratio of a
+    scene has an interval.
     """
     by_value = sorted(one.frame_ratios, key=lambda estimate: estimate.value)
     ratio = by_value[len(by_value) // 2]

@@ -78,7 +78,7 @@ class ResultsFolder:
         """Records of all trials, in the order of the file.
 
         Raises:
-            RecordError: if the file of trials is missing, or one of its lines is not a record.
+            RecordError: if the file of trials is missing, or a line of the file is not a record.
 
         Warns:
             RecordWarning: if an interruption made the last line incomplete; the reader skips this line.

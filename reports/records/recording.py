@@ -164,7 +164,7 @@ class Recorder:
             quaternion: orientations of the bodies (w, x, y, z), shape (n, 4), world frame.
             frozen: ids of the bodies that the core or the engine has frozen.
             bricks: brick of each body, by id.
-            gravity: gravity in this frame [m/s2]; None if it has not changed.
+            gravity: gravity in this frame [m/s2]; None without a change of gravity.
         """
         self._frames += 1
         if gravity is not None and math.dist(gravity, self._gravity[-1][1]) > _TURN * math.hypot(*gravity):

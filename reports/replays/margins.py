@@ -118,7 +118,8 @@ def _margins(recording: Recording, times: Sequence[float] | None) -> tuple[Margi
     """Return the margins of a recording, and the reason if no instant has margins."""
     if recording.physics is None:
         raise ExportError(
-            "margins need a recording with masses, got one of an earlier version: run the trial again to see margins"
+            "margins need a recording with masses, got a recording of an earlier version: run the trial "
+            "again to see margins"
         )
     timeline = Timeline(recording)
     instants = list(settled_times(recording) if times is None else times)
@@ -186,7 +187,8 @@ def _at(timeline: Timeline, time: float) -> tuple[FloatArray, FloatArray]:
 def _touching(bricks: Sequence[Brick], walls: Sequence[Brick], time: float) -> list[Patch]:
     """Return the contact patches of bricks in recorded poses.
 
-    The function increases the tolerated overlap, up to ``_MOST_TOUCH``, until the overlaps of the bricks are within it.
+    The function increases the tolerated overlap, up to ``_MOST_TOUCH``, until the overlaps of the bricks are within the
+    tolerance.
     """
     tolerance = RECORDED
     while True:

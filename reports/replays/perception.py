@@ -1,4 +1,4 @@
-"""Measure the visible effects of frozen bricks in a recording, as figures in pixels; this is no user study.
+"""Measure the visible effects of frozen bricks in a recording, as figures in pixels, without a user study.
 
     uv run python -m reports.replays.perception DIR TRIAL [--without TRIAL] [--due SECONDS] [--kept-from SECONDS]
 
@@ -10,8 +10,8 @@ in pixels of a standard screen, the deviations that a viewer could see at all:
 - ``hover``: the greatest gap between a frozen brick and the nearest body or ground straight below the brick;
 - ``unsupported``: brick-seconds of frozen bricks for which exact statics finds no equilibrium;
 - ``late``: the time from the instant at which the scene must fall until a brick has moved by one pixel;
-- ``kept``: the share of the bricks that move by less than their thickness in five seconds after an instant, for example
-  after the removal of the walls of ``mould``.
+- ``kept``: the share of bricks that stay within their thickness for five seconds after an instant, such as the removal
+  of the walls of ``mould``.
 
 Lengths are distances in space, as if every motion were across the view. Therefore the figures are upper bounds. A
 recording has a dead band of 0.05 mm, which limits the resolution of ``pop`` and ``hover``. A frozen brick that other

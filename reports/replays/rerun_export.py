@@ -29,7 +29,7 @@ def write_rerun(path: Path, trials: Sequence[Replayed]) -> None:
         trials: trials to show, at least one.
 
     Raises:
-        ExportError: if Rerun is not installed, or the suffix is not ``.rrd``.
+        ExportError: if the package of Rerun is missing, or the suffix is not ``.rrd``.
     """
     if path.suffix != ".rrd":
         raise ExportError(f"{path}: the suffix of a file of Rerun must be .rrd: give an output file with such a suffix")

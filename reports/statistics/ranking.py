@@ -184,7 +184,7 @@ def _place(set_up: SetUp, units: Mapping[Unit, frozenset[State]], total: int, gr
 def _creep(groups: Sequence[Group]) -> Creep | None:
     """Return the creep with the greatest ratio to its limit; None without a measured creep.
 
-    A stack without a verdict, such as one in neutral balance, may creep.
+    A stack without a verdict, such as a stack in neutral balance, may creep.
     """
     measured = [
         Creep(trial.creep_m_s, trial.creep_limit_m_s)

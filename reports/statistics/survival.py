@@ -1,8 +1,8 @@
 """Survival statistics of the levels at which stacks fall; some of these levels are only lower bounds.
 
-The level of a stack is censored if the stack reached its full height or the time limit stopped the trial, because the
-stack might have carried more levels. Censored levels have no mean. They have a survival curve, the median of this
-curve, and tests that account for censoring.
+A level counts as censored in two cases: the stack reached its full height, or the time limit stopped the trial. In both
+cases the stack might have carried more levels. Censored levels have no mean. They have a survival curve, the median of
+this curve, and tests that account for censoring.
 """
 
 from __future__ import annotations

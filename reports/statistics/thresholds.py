@@ -124,8 +124,9 @@ def exact_limits(
 ) -> tuple[float | None, float | None]:
     """Return the limits that a bisection with exact statics finds, for both conventions for the normal of a ridge.
 
-    The first limit is for the bisector, the second is for a face normal. A limit is None if the answer is the same at
-    both ends of the search, or if the scene pushes or pulls bricks, because statics then has no answer.
+    The first limit is for the bisector, the second is for a face normal. A limit is None in two cases: the answer is
+    the same at both ends of the search, or the scene pushes or pulls bricks. Exact statics cannot judge pushed or
+    pulled bricks.
 
     Args:
         scenario: name of the scenario.

@@ -34,7 +34,7 @@ _PERCENTILES = (5, 95)
 
 
 def sentence(ranking: Ranking, unfinished: int = 0) -> str:
-    """Return a sentence that names the cheapest set-up that is right in all units, or states that none exists.
+    """Return a sentence that names the cheapest set-up with all units right, or states that there is none.
 
     Args:
         ranking: the ranking of the study.
