@@ -100,7 +100,7 @@ def _read_baseline_file(path: Path) -> Baseline:
 
 
 def with_packed_traces(side: Baseline) -> Baseline:
-    """Return a copy of the side that needs no files, because the copy contains the pose traces.
+    """Return a copy of the side with its pose traces inside, so that the copy needs no files.
 
     Raises:
         BaselineError: if a trace is missing or unreadable.

@@ -20,7 +20,7 @@ _NO_REPORT = "--no-report"
 
 @dataclass(frozen=True, slots=True)
 class Checkout:
-    """A version of the suite that is ready to run."""
+    """A version of the suite, ready to run."""
 
     name: str
     """Name for messages and tables."""

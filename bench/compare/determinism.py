@@ -91,10 +91,11 @@ def _where_they_part(base: str, head: str, sides: tuple[Baseline, Baseline]) -> 
 
 
 def _values(base: FloatArray | None, head: FloatArray | None) -> str:
-    """Return the component of a pose that differs most, with both values, as the end of a message.
+    """Return the component with the greatest difference, with both values, as the end of a message.
 
     Args:
-        base: pose in the base, shape (7,); None if unknown. NaN or infinite if the world does not contain the body.
+        base: pose in the base (x, y, z [m], qw, qx, qy, qz), shape (7,); None if unknown. NaN or infinite if the world
+            does not contain the body.
         head: pose in the head, with the same exceptions.
     """
     if head is None:

@@ -18,7 +18,7 @@ LEAST_REPEATS = 5
 sides all repeats of the head are worse than all repeats of the base in only one of 252 groups."""
 
 _PLAYED = frozenset({"completed", "collapsed"})
-"""Statuses of trials that were played to their end."""
+"""Statuses of trials that the harness played to their ends."""
 _MM = 1e3
 """Factor from metres to millimetres."""
 

@@ -32,7 +32,7 @@ _PLAIN = ("--no-annotate", "--no-header", "--quiet")
 _COMPANIONS = (
     # SAPIEN imports pkg_resources, which setuptools 81 removed.
     ("sapien", SpecifierSet(), ("setuptools<81",)),
-    # Its wheels are compiled for NumPy 1, which later releases of the other two reject at import.
+    # These wheels need NumPy 1, which later releases of pandas and pyarrow reject at import.
     ("pybullet", SpecifierSet("<3.2.7"), ("numpy<2", "pandas<3", "pyarrow<22")),
 )
 """Demands of some releases that their metadata does not state: package, releases, and other packages."""
@@ -85,7 +85,7 @@ def _companions(chosen: Requirement) -> Iterator[str]:
 
 
 def _of_engines(group: Iterable[str], engines: Sequence[str]) -> Iterator[str]:
-    """Yield the requirements of a group that are packages of the engines."""
+    """Yield the packages of the engines among the requirements of a group."""
     packages = {canonicalize_name(getattr(ENGINES[engine], "package", engine)) for engine in engines}
     return (demand for demand in group if canonicalize_name(Requirement(demand).name) in packages)
 
@@ -110,7 +110,7 @@ def _named(name: str, suite: Path, package: str) -> str:
 
 
 def _locked(name: str, suite: Path, groups: Sequence[str]) -> list[str]:
-    """Return the locked packages of the groups that apply to this machine."""
+    """Return the locked packages of the groups, without packages for other machines."""
     options = [option for group in groups for option in ("--group", group)]
     plain = ["--no-hashes", "--no-emit-project", "--no-default-groups", *_PLAIN]
     text = call(name, [UV, "export", "--locked", *plain, *options], suite, "run 'uv lock' in this version")

@@ -36,7 +36,7 @@ class Engine(_Model):
 
 
 class Machine(_Model):
-    """Properties of a machine that decide whether results are comparable; the host name is absent."""
+    """Properties of a machine for the comparability of results; the host name is absent."""
 
     processor: str
     platform: str

@@ -18,7 +18,7 @@ class VersionsError(ValueError):
 
 
 def released(package: str, wanted: str) -> list[str]:
-    """Return the releases of a package that have a wheel for this machine, in rising order.
+    """Return the releases for which a package has a wheel for this machine, in rising order.
 
     Args:
         package: name of the package.
@@ -92,7 +92,9 @@ def kept_records(wanted: str) -> list[tuple[str, bytes]]:
     """
     branch, separator, path = wanted.partition(":")
     if not (branch and separator and path):
-        raise VersionsError(f"--records must be BRANCH:PATH, such as records:stacking.json, got {wanted!r}: give both")
+        raise VersionsError(
+            f"--records must be BRANCH:PATH, such as records:stacking.json, got {wanted!r}: give a branch and a path"
+        )
     log = ["git", "log", "--first-parent", "--reverse", "--format=%H %cs", "--diff-filter=AM", branch, "--", path]
     lines = [line.split() for line in call(branch, log, ROOT).splitlines()]
     if not lines:

@@ -19,7 +19,7 @@ from reports.records.atomic import write_atomic
 from reports.records.folder import ENVIRONMENT, REPORT, ResultsFolder, published_rows
 
 UNKNOWN = "unknown"
-"""Text in place of the digest on a page that was made before digests were recorded and whose commit is unknown."""
+"""Text in place of the digest on a page without a recorded digest and without a known commit."""
 NOT_USED = "not used"
 """Text in place of the digest on a page of engines alone, which does not use the core."""
 _FOOTER = re.compile(rf"\n*^core: ([0-9a-f]{{12}}|{UNKNOWN}|{NOT_USED})\n*\Z", re.MULTILINE)

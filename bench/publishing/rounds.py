@@ -1,4 +1,4 @@
-"""Frozen rounds: dated, complete copies of the published results that never change, with the hash of each file.
+"""Frozen rounds: dated, complete and constant copies of the published results, with the hash of each file.
 
 ``uv run python -m bench.publishing --round DATE`` writes ``docs/results/rounds/DATE``; see ADR-0022.
 """

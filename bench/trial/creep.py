@@ -48,7 +48,7 @@ class Creep:
 
 
 class CreepMeter:
-    """Meter of creep that collects the positions of the bricks after every frame."""
+    """Meter that collects the positions of bricks after every frame, and measures their creep."""
 
     def __init__(self, from_s: float) -> None:
         """Prepare to collect the positions at the ends of frames after ``from_s`` [s]."""

@@ -85,7 +85,7 @@ class Plan:
     def boxes_at(self, position: FloatArray, quaternion: FloatArray, rows: BoolArray | slice = slice(None)) -> Boxes:
         """Return the bricks of ``rows`` at the given poses.
 
-        ``position`` [m] (n, 3) and ``quaternion`` (w, x, y, z) (n, 4) are the poses of all n bricks.
+        The poses are of all n bricks: ``position`` [m], shape (n, 3), and ``quaternion`` (w, x, y, z), shape (n, 4).
         """
         shapes = None
         if self.shapes is not None:

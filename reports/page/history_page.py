@@ -1,4 +1,4 @@
-"""The page of a history: its figure, its steps with quoted changelogs, and its versions. One file, without scripts."""
+"""The page of a history, one file without scripts: the figure, the steps with quoted changelogs, and the versions."""
 
 from __future__ import annotations
 

@@ -50,7 +50,7 @@ class Series(_Model):
 
 
 class Explanation(_Model):
-    """A line of a changelog that explains a step."""
+    """A changelog line that explains a step."""
 
     version: str
     """Version in which the step is."""

@@ -46,7 +46,7 @@ LOAD_CLASSES, TILT_CLASSES = (1.0, 3.0, 10.0, 30.0), (2.0, 5.0, 10.0, 20.0)
 
 
 class _OverlapError(ExportError):
-    """An overlap of bricks that is so large that their contacts are unknown."""
+    """An overlap of bricks that leaves their contacts unknown."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -108,7 +108,7 @@ def _can_be_judged(build: Sequence[TrialRecord]) -> bool:
 
 
 def _in_order(set_ups: Collection[SetUp]) -> list[SetUp]:
-    """Return the set-ups with engines and profiles in order of appearance and policies in their usual order."""
+    """Return the sorted set-ups: engines and profiles in order of appearance, policies in their usual order."""
     engines = list(dict.fromkeys((set_up.profile, set_up.engine) for set_up in set_ups))
     policies = ordered_policies(set_up.policy for set_up in set_ups)
     return sorted(set_ups, key=lambda one: (engines.index((one.profile, one.engine)), policies.index(one.policy)))

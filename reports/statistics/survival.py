@@ -134,7 +134,7 @@ class PairedTest:
 
     @property
     def undecided(self) -> int:
-        """Number of pairs with equal levels, or with a censored level that does not decide."""
+        """Number of pairs with equal levels, or with an order that censoring leaves open."""
         return self.pairs - self.first_farther - self.second_farther
 
 

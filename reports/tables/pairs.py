@@ -97,7 +97,7 @@ def _family_cell(row: PairRow | None) -> str:
 
 
 def right_of_judged(rates: SuccessRates | None) -> str:
-    """Return the number of right over judged pairs or trials, such as ``38/46``; a dash without judged trials."""
+    """Return the ratio of right to judged pairs or trials as text, such as ``38/46``; a dash without judged trials."""
     return f"{rates.right_count}/{rates.n}" if rates is not None else NOTHING
 
 

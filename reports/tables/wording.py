@@ -81,7 +81,7 @@ def _level(level: float, highest: float) -> str:
 
 
 def troubles(group: Group) -> str:
-    """Return the counts of trials that neither completed nor collapsed as text, such as ``2 of 20 timed out``.
+    """Return as text the counts of trials that neither completed nor collapsed, such as ``2 of 20 timed out``.
 
     The text is empty if all trials completed or collapsed.
     """
