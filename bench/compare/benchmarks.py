@@ -271,8 +271,8 @@ def _ratios(path: Path, benchmark: _Benchmark) -> FloatArray:
     info, times = benchmark.extra_info, np.array(benchmark.stats.data)
     if not len(times):
         raise BaselineError(
-            f"{path}: the file must contain the time of each round, but does not; create the file again with "
-            "--benchmark-save-data"
+            f"{path}: the file must contain the time of each round, but does not; create the file again with 'uv run "
+            "pytest --benchmark-only --benchmark-save-data'"
         )
     count = min(len(times) // info.frames_per_second, len(info.alone_ms))
     if not count:

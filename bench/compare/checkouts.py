@@ -74,7 +74,7 @@ def prepare(
 
 
 def checked_out(version: str, console: Console, *, allow_dirty: bool = False) -> Path:
-    """Return the folder in the cache of a checkout of a commit, a branch or a tag, without an environment.
+    """Return the cached checkout of a version, without an environment; create the checkout if necessary.
 
     Raises:
         CheckoutError: if the version does not exist, or is the present commit and the checkout has uncommitted changes.

@@ -18,7 +18,7 @@ FORMAT: Literal["stillstack-baseline-1"] = "stillstack-baseline-1"
 
 
 class BaselineError(ValueError):
-    """An unreadable or unwritable side of a comparison; the message names the file and the fix."""
+    """A side that a comparison cannot use; the message names the problem and the fix."""
 
 
 class _Model(BaseModel):

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 
 class SleepStats:
-    """Counter of the core's changes, frame by frame."""
+    """Counter of the bodies that the core freezes and unfreezes, frame by frame."""
 
     def __init__(self) -> None:
         self._live_since: dict[int, float] = {}

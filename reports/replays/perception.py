@@ -2,11 +2,11 @@
 
     uv run python -m reports.replays.perception DIR TRIAL [--without TRIAL] [--due SECONDS] [--kept-from SECONDS]
 
-Han et al. asked people whether fixed objects beneath a pile look implausible. This module asks no people. It measures,
-in pixels of a standard screen, the deviations that a viewer could see at all:
+Han et al. asked people whether fixed objects beneath a pile look implausible. This module measures instead, in pixels
+of a standard screen, the deviations that a viewer could see at all:
 
 - ``pop``: the greatest jump |x(t+1) - 2 x(t) + x(t-1)| of a corner x of a brick that freezes or unfreezes in frame t.
-  If there is a run without the extension, ``pop`` subtracts the jump of the same corner in that run;
+  If there is a run without the extension, the module subtracts the jump of the same corner in that run;
 - ``hover``: the greatest gap between a frozen brick and the nearest body or ground straight below the brick;
 - ``unsupported``: brick-seconds of frozen bricks for which exact statics finds no equilibrium;
 - ``late``: the time from the instant at which the scene must fall until a brick has moved by one pixel;

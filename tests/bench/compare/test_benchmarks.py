@@ -215,7 +215,8 @@ def _rename_engine(content) -> None:
     [
         (
             _drop_rounds,
-            "must contain the time of each round, but does not; create the file again with --benchmark-save-data",
+            "must contain the time of each round, but does not; create the file again with 'uv run pytest "
+            "--benchmark-only --benchmark-save-data'",
         ),
         (_drop_alone, "must contain at least a second of frames with and without"),
         (
