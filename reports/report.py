@@ -110,7 +110,7 @@ def tables_of(folder: ResultsFolder) -> dict[Section, Sequence[Table]]:
 
 
 def build_report(folder: ResultsFolder, missing: Sequence[str] = (), *, all_stills: bool = False) -> Report:
-    """Write tables, figures, replays, stills and the page of a results folder, from the folder's raw records only.
+    """Write tables, figures, replays, stills and the page of a results folder, from the raw files of the folder.
 
     Args:
         folder: a results folder with at least one trial.

@@ -91,6 +91,6 @@ def chosen_gates(names: str) -> tuple[Gate, ...]:
 
 
 def plain(text: str) -> str:
-    """Return untrusted text of a file as one line of printable characters, at most ``_LONGEST`` long."""
+    """Return untrusted text of a file as one line of at most ``_LONGEST`` printable characters."""
     cut = text if len(text) <= _LONGEST else text[: _LONGEST - 1] + "…"
     return "".join(letter if letter.isprintable() else "\N{REPLACEMENT CHARACTER}" for letter in cut)

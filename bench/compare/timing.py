@@ -60,7 +60,7 @@ def shares(rows: Sequence[FrameRow], timed_frames: int) -> dict[Part, float]:
         timed_frames: number of timed frames, which follow the first ``UNTIMED_FRAMES``.
 
     Returns:
-        The shares by part; empty for a trial without an extension or with fewer than ``_LEAST_FRAMES`` timed frames.
+        The ratios by part; empty for a trial without an extension or with fewer than ``_LEAST_FRAMES`` timed frames.
     """
     timed = rows[UNTIMED_FRAMES : UNTIMED_FRAMES + timed_frames]
     columns = [(row.engine_ms, row.readback_ms, row.core_ms) for row in timed]

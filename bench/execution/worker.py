@@ -226,7 +226,7 @@ def _ending(exitcode: int | None) -> str:
 
 
 def _last_words(log: Path) -> str:
-    """Return the last line "Fatal Python error" that a crashed process printed; else the last line of its output."""
+    """Return the last line "Fatal Python error" that a crashed process printed; else the last line of the output."""
     try:
         with log.open("rb") as file:
             file.seek(max(0, log.stat().st_size - _TAIL))

@@ -109,7 +109,7 @@ class Faults:
 
     @property
     def kind(self) -> CollapseKind | None:
-        """Kind of the collapse: the first of topple, slide, drop and sink that occurs; None if none occurs."""
+        """Kind of the collapse: the first of topple, slide, drop and sink that occurs; None without a collapse."""
         if self.topple.any():
             return "topple"
         if self.slide.any():

@@ -141,7 +141,7 @@ def _cell(states: Counter[State] | None) -> Cell:
 def _shown(states: Counter[State]) -> State:
     """Return the state that a cell of several builds shows.
 
-    The first case that applies:
+    The function returns the first of these states that occurs:
 
     - the most frequent error;
     - the most frequent state that is not ``right``;

@@ -55,7 +55,7 @@ def _path(link: str) -> str:
 
 
 def _still(path: Path) -> str:
-    """Return a still as a data URI, reduced to edges of at most ``_STILL_PX``."""
+    """Return a still as a data URI, reduced to edges of at most ``_STILL_PX`` pixels."""
     with Image.open(path) as still:
         still.thumbnail((_STILL_PX, _STILL_PX))
         data = io.BytesIO()

@@ -1,4 +1,4 @@
-"""A replay: a page for any browser, offline, that plays recorded trials side by side.
+"""A replay: a page that plays recorded trials side by side in a browser, offline.
 
 The page draws with the library three.js, which the package ``jupyter-threejs-sage`` contains. All replays of a folder
 share one file with the script of three.js. A page from disk may load a classic script from its own folder, but neither
