@@ -104,13 +104,13 @@ def tables_of(folder: ResultsFolder) -> dict[Section, Sequence[Table]]:
     """Return the tables of a results folder by section, except the ranking.
 
     Raises:
-        RecordError: if the records cannot be read.
+        RecordError: if the records are unreadable.
     """
     return {section: section.tables(folder) for section in SECTIONS}
 
 
 def build_report(folder: ResultsFolder, missing: Sequence[str] = (), *, all_stills: bool = False) -> Report:
-    """Write tables, figures, replays, stills and the page of a results folder, from the folder's raw records only.
+    """Write tables, figures, replays, stills and the page of a results folder, from the raw files of the folder.
 
     Args:
         folder: a results folder with at least one trial.
@@ -118,7 +118,7 @@ def build_report(folder: ResultsFolder, missing: Sequence[str] = (), *, all_stil
         all_stills: True to draw all stills of the report, even if there are more than ``MOST_STILLS``.
 
     Raises:
-        RecordError: if the records cannot be read, or the folder has no records.
+        RecordError: if the records are unreadable, or the folder has no records.
     """
     if not folder.records:
         raise RecordError(

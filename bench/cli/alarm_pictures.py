@@ -21,18 +21,21 @@ _PIXELS = (960, 540)
 
 
 def draw_alarms(comparison: Comparison, gates: Collection[Gate], head: Path, to: Path) -> list[tuple[str, Path]]:
-    """Draw the end of each head trial with a worse outcome, beside the same stack without a policy if recorded.
+    """Draw the end of each trial of the head with a worse outcome, beside the same stack without a policy.
+
+    The picture omits the stack without a policy if the folder has no recording of this stack. The function skips a
+    trial without a recording, and prints the reason.
 
     Args:
         comparison: the comparison.
         gates: gates whose alarms count; without ``outcome`` the function draws no pictures.
         head: results folder of the head.
-        to: folder of the pictures, which need not exist. The files have numbers as names, because an id of a trial may
+        to: folder of the pictures, created if necessary. The files have numbers as names, because an id of a trial may
             contain any character.
 
     Returns:
-        Id of the trial and file of each picture; at most ``MOST_PICTURES`` pictures, and one for all repeats of a
-        trial.
+        Id of the trial and file of each picture: at most ``MOST_PICTURES`` pictures, and one picture for all repeats of
+        a trial.
     """
     if "outcome" not in gates:
         return []

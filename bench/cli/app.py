@@ -1,7 +1,11 @@
 """The command line: ``uv run -m bench COMMAND``.
 
-Exit status: 0 for success, 1 if a gate or a check failed, 2 for bad usage or input, 128 + the number of the signal if
-a signal interrupted a run.
+The exit status is:
+
+- 0 for success;
+- 1 if a gate or a check failed;
+- 2 for bad usage or input;
+- 128 plus the number of the signal, if a signal interrupted a run.
 """
 
 from __future__ import annotations

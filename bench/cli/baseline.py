@@ -25,7 +25,7 @@ def baseline(
 ) -> None:
     """Write a results folder into one small file that later comparisons use as their base.
 
-    A baseline that is replaced leaves its pose hashes of other processors in the new one, unless poses changed.
+    If FILE exists, the new baseline keeps the pose hashes of other processors from FILE, unless poses changed.
     """
     with input_errors():
         side = read_baseline(folder)

@@ -27,10 +27,10 @@ def check(
         Path | None, typer.Option(help="With --bridge: TOML file with the profiles of that engine.")
     ] = None,
 ) -> None:
-    """Check that the adapter of an engine keeps the contract on which the core relies."""
+    """Check the adapter of an engine against the contract of the core."""
     if bool(engine) == bool(bridge):
         raise typer.BadParameter(
-            "expected either the name of an engine or --bridge COMMAND, got both or neither: give only one of the two"
+            "expected either the name of an engine or --bridge COMMAND, got both or neither: give one of the two"
         )
     with input_errors():
         if bridge:
@@ -40,7 +40,7 @@ def check(
 
 
 def _knobs(engine: str, profile: str) -> Iterator[str]:
-    """Yield one line per knob of the profile: the value that the engine reports, or a note that it reports no value."""
+    """Yield one line per knob of the profile: the value that the engine reports, or a note that the value is absent."""
     plank = Brick((0.117, 0.0234, 0.0078), 0.0119, (0.0, 0.0, 0.0039))
     try:
         simulation = open_engine(engine, profile, expected=[plank])

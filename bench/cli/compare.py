@@ -122,7 +122,7 @@ def compare(
 def _prepared(
     versions: tuple[str, str], packages: tuple[Sequence[str], Sequence[str]], plan: Study, allow_dirty: bool
 ) -> tuple[Checkout, Checkout]:
-    """Return the checkouts of base and head, named by what differs."""
+    """Return the checkouts of base and head, with names that state their differences."""
     base, head = (
         prepare(version, chosen, ERR, engines=plan.engines, allow_dirty=allow_dirty)
         for version, chosen in zip(versions, packages, strict=True)
@@ -132,7 +132,7 @@ def _prepared(
 
 
 def _prune() -> None:
-    """Remove all kept checkouts and environments, and print their number."""
+    """Remove all checkouts and environments from the cache, and print their number."""
     with input_errors():
         checkouts, environments = prune_checkouts(ERR), prune_environments()
     note(f"removed {checkouts} checkouts and {len(environments)} environments")

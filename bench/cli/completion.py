@@ -54,7 +54,7 @@ SCRIPTS = {"bash": _BASH, "zsh": _ZSH, "fish": _FISH}
 
 
 def completing(names: Callable[[], Iterable[str]]) -> Callable[[str], list[str]]:
-    """Return a function that completes a typed text to those of ``names()`` that start with this text."""
+    """Return a function that lists the names in ``names()`` with a typed text at their start."""
 
     def complete(incomplete: str) -> list[str]:
         return sorted(name for name in names() if name.startswith(incomplete))
@@ -105,7 +105,7 @@ def complete_if_asked(app: typer.Typer) -> None:
 
 
 def _write_script(shell: str, home: Path) -> Path:
-    """Write the script of a shell below the home folder, and a line that loads it; return the path of the script."""
+    """Write the script of a shell below the home folder, and a line that loads the script; return the script's path."""
     if shell == "fish":
         script = home / ".config" / "fish" / "conf.d" / "stillstack.fish"  # fish loads every file of this folder
     else:
@@ -125,6 +125,6 @@ def _shell() -> str:
     name = Path(os.environ.get("SHELL", "")).name
     if name not in SCRIPTS:
         raise typer.BadParameter(
-            f"expected the shell in SHELL to be one of {', '.join(SCRIPTS)}, got {name or 'nothing'!r}: set SHELL"
+            f"SHELL must be one of {', '.join(SCRIPTS)}, got {name or 'nothing'!r}: set SHELL to one of these shells"
         )
     return name

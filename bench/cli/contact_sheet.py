@@ -94,8 +94,8 @@ def faces(bricks: Sequence[Brick], color: str, fixed: Sequence[Brick] = ()) -> t
 def from_back_to_front(boxes: Boxes, toward: FloatArray) -> list[int]:
     """Return the order in which to paint boxes that do not intersect, as indices from back to front.
 
-    The function uses the painter's algorithm. A plane parallel to a face separates any two boxes, and the box on the
-    viewer's side of this plane comes later. Boxes whose pictures do not overlap may come in any order.
+    The function uses the painter's algorithm. It compares two boxes along the normals of their faces. The box on the
+    viewer's side of the widest gap comes later. Boxes whose pictures do not overlap may come in any order.
 
     Args:
         boxes: n boxes that do not intersect, world frame.
@@ -116,7 +116,7 @@ def from_back_to_front(boxes: Boxes, toward: FloatArray) -> list[int]:
 
 
 def _gap(lower: FloatArray, upper: FloatArray, directions: FloatArray) -> float:
-    """Return the widest gap [m] between two boxes along any of n directions; negative if the boxes overlap along all.
+    """Return the widest gap [m] between two boxes along n directions; negative for boxes without a gap.
 
     Args:
         lower: corners [m] of the first box, shape (8, 3).

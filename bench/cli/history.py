@@ -107,7 +107,7 @@ def history(
 
 
 def _check_sources(engine: str | None, versions: str | None, commit_range: str | None, records: str | None) -> None:
-    """Check that exactly one source of versions is named."""
+    """Check that the user names one source of versions."""
     if engine is not None:
         look_up("engine", engine, ENGINES)
     if sum(source is not None for source in (versions, commit_range, records)) != 1:
@@ -122,7 +122,7 @@ def _check_sources(engine: str | None, versions: str | None, commit_range: str |
 def _runs(
     plan: Study, engine: str | None, versions: str | None, commit_range: str | None, folder: Path, keep: bool
 ) -> tuple[list[str], Callable[[str], None], str, str]:
-    """Return the names of the versions, the function that measures one, the package and the suite's commit."""
+    """Return the names of the versions, the function that measures a version, the package and the suite's commit."""
     if commit_range is not None:
         names = commits(commit_range)
         file = write_study(plan, folder)
@@ -144,7 +144,7 @@ def _runs(
 
 
 def _of_record(name: str, content: bytes, engine: str | None) -> Measured:
-    """Return the figures of a kept baseline file, of one engine if it is named."""
+    """Return the figures in the ``content`` of a baseline file; ``engine`` limits the figures to one engine."""
     with TemporaryDirectory() as scratch:
         path = Path(scratch, "baseline.json")
         path.write_bytes(content)

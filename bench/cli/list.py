@@ -57,7 +57,7 @@ def list_(
 
 
 def _print_scene(name: str, *, is_judged: bool) -> None:
-    """Print the row of one scene, or the judge's answer about it."""
+    """Print the row of one scene, or the judge's answer about the scene."""
     try:
         scene = build("own_scene", file=name) if is_file(name) else build(name)
         if is_judged:

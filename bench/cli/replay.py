@@ -1,4 +1,4 @@
-"""``bench replay``: show a trial in the browser, draw it as a picture or video, or export it."""
+"""``bench replay``: show a trial in the browser, draw a picture or video of the trial, or export the trial."""
 
 from __future__ import annotations
 
@@ -122,8 +122,8 @@ def replay_trial(folder: Path, records: Sequence[TrialRecord], trial: str, *, wi
     """Write the replay of a trial beside the same stack under other policies; return the path of the replay.
 
     Raises:
-        UnknownNameError: if there is no such trial.
-        RecordingError: if the trial was not recorded, or its recording is incomplete.
+        UnknownNameError: if the folder has no trial with this id.
+        RecordingError: if the trial has no recording, or an incomplete recording.
         ExportError: if ``with_margins`` is True, and a recording has no margins.
     """
     wanted, others = _stack(records, trial)
@@ -140,11 +140,12 @@ def side_by_side(
         folder: a results folder.
         records: records of that folder.
         trial: id of the trial.
-        beside: policies of the other trials; None for the engine alone, if the folder has its recording.
+        beside: policies of the other trials; None for the trial of the engine alone, if this trial has a recording.
 
     Raises:
-        UnknownNameError: if there is no such trial, or no trial of the same stack under a policy of ``beside``.
-        RecordingError: if a trial was not recorded, or its recording is incomplete.
+        UnknownNameError: if the folder has no trial with this id, or no trial of the same stack under a policy of
+            ``beside``.
+        RecordingError: if a trial to draw has no recording, or an incomplete recording.
     """
     wanted, others = _stack(records, trial)
     by_policy = {record.policy: record for record in others}
@@ -167,8 +168,8 @@ def export_gltf(folder: Path, records: Sequence[TrialRecord], trial: str, to: Pa
     """Write a trial's recording as an animated glTF file.
 
     Raises:
-        UnknownNameError: if there is no such trial.
-        RecordingError: if the trial was not recorded, or its recording is incomplete.
+        UnknownNameError: if the folder has no trial with this id.
+        RecordingError: if the trial has no recording, or an incomplete recording.
     """
     wanted = look_up("trial", trial, {record.trial: record for record in records})
     write_atomic(to, to_glb(ResultsFolder(folder).recording(wanted.trial)))

@@ -93,7 +93,7 @@ def run(
         wanted = Selection(engine or (), scenario or (), policy or (), profile or (), seeds, hours)
         if dask is not None and jobs > 1:
             raise ClusterError(
-                "--jobs and --dask must not be combined, because --jobs applies to this machine only: leave out "
+                "--jobs and --dask exclude each other, because --jobs applies to this machine only: leave out "
                 "--jobs, and start each worker with --nthreads"
             )
         if dask is not None and (watch or watch_at):

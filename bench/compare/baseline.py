@@ -39,7 +39,7 @@ def read_baseline(path: Path) -> Baseline:
 
 
 def of_engines(side: Baseline, engines: Sequence[str] | None) -> Baseline:
-    """Return the trials of the named engines only; all trials if none is named.
+    """Return the side with the trials of ``engines`` only; with all trials if ``engines`` is empty or None.
 
     Raises:
         BaselineError: if the side has no trial of these engines.
@@ -50,8 +50,8 @@ def of_engines(side: Baseline, engines: Sequence[str] | None) -> Baseline:
     if not trials:
         has = ", ".join(sorted({record.engine for record in side.trials}))
         raise BaselineError(
-            f"each side must have a trial of {', '.join(engines)}, but one side has none: choose from its "
-            f"engines, {has}"
+            f"each side must have a trial of {', '.join(engines)}, but the side of study '{side.study}' has none: "
+            f"choose from its engines, {has}"
         )
     return side.model_copy(update={"trials": trials})
 
@@ -76,10 +76,10 @@ def replaced_baseline(path: Path) -> Baseline | None:
 
 
 def write_baseline(baseline: Baseline, path: Path) -> None:
-    """Write a baseline into a file atomically; replace an existing file only if it is a baseline.
+    """Write a baseline into a file atomically; replace no existing file other than a baseline.
 
     Raises:
-        BaselineError: if ``path`` is a folder or a file of another kind, or cannot be written.
+        BaselineError: if ``path`` is a folder, a file of another kind or not writable.
     """
     replaced_baseline(path)
     try:
@@ -90,8 +90,8 @@ def write_baseline(baseline: Baseline, path: Path) -> None:
 
 def _read_baseline_file(path: Path) -> Baseline:
     content = read_file(path)
-    found = parse(content, str(path))
-    if not isinstance(found, dict) or found.get("format") != FORMAT:
+    value = parse(content, str(path))
+    if not isinstance(value, dict) or value.get("format") != FORMAT:
         raise JsonError(
             f"{path}: not a baseline ('format' is not '{FORMAT}'): create one with 'bench baseline DIR -o FILE', or "
             "name a results folder"
@@ -100,7 +100,7 @@ def _read_baseline_file(path: Path) -> Baseline:
 
 
 def with_packed_traces(side: Baseline) -> Baseline:
-    """Return a copy of the side that contains the pose traces of all its pose hashes, and needs no files.
+    """Return a copy of the side with its pose traces inside, so that the copy needs no files.
 
     Raises:
         BaselineError: if a trace is missing or unreadable.

@@ -1,8 +1,8 @@
 """Comparison of two pytest-benchmark files by the frame ratio, which is the relative frame time with the extension.
 
-``tests/benchmarks/test_frame_speed.py`` times frames with and without the extension on the same stack, alternating.
-The comparison uses only their ratio, because the times of two runs depend on the machine. Each second of frames gives
-one ratio:
+``tests/benchmarks/test_frame_speed.py`` times frames with and without the extension on the same stack, alternating. The
+comparison uses only their ratio, because the times of two runs depend on the machine. Each second of frames gives one
+ratio:
 
     a_k     mean time of the frames with the extension in second k
     b_k     median time of the frames without the extension just before second k
@@ -11,7 +11,8 @@ one ratio:
 For every k and every stack of an engine, "head against base" is the ratio of r_k of the head to r_k of the base.
 
 ``timing.judge_times`` judges the interval of the mean of "head against base". A frame counts for at most ``MOST`` times
-the median of the frames with the same index in all seconds, because the system interrupted longer frames.
+the median of the frames with the same index in all seconds. This bound limits the effect of frames that the system
+interrupted.
 """
 
 from __future__ import annotations
@@ -141,7 +142,7 @@ def are_benchmarks(base: Path, head: Path) -> bool:
     """Return whether both sides of a comparison are pytest-benchmark files, by their content.
 
     Raises:
-        BaselineError: if only one side is such a file.
+        BaselineError: if only one side is a pytest-benchmark file.
     """
     written = [_is_benchmark_file(path) for path in (base, head)]
     if any(written) and not all(written):
@@ -171,16 +172,17 @@ def read_benchmarks(path: Path) -> FrameTimes:
         ) from error
     versions: dict[Group, str] = {}
     ratios: dict[Group, FloatArray] = {}
-    for one in file.benchmarks:
-        info = one.extra_info
-        cell = Group(info.engine, info.profile, f"{info.scene}-{info.levels}", info.policy)
+    for benchmark in file.benchmarks:
+        info = benchmark.extra_info
+        group = Group(info.engine, info.profile, f"{info.scene}-{info.levels}", info.policy)
         if info.policy == ALONE:
             continue
-        if cell in ratios:
+        if group in ratios:
             raise BaselineError(
-                f"{path}: benchmark {one.fullname[:200]!r} must occur once, but occurs twice; remove the second entry"
+                f"{path}: benchmark {benchmark.fullname[:200]!r} must occur once, but occurs twice; remove the second "
+                "entry"
             )
-        versions[cell], ratios[cell] = info.version, _ratios(path, one)
+        versions[group], ratios[group] = info.version, _ratios(path, benchmark)
     if not ratios:
         raise BaselineError(
             f"{path}: a comparison needs frame times with the extension, but the file contains none; create a file of "
@@ -205,28 +207,28 @@ def compare_benchmarks(base: FrameTimes, head: FrameTimes, *, across_versions: b
         across_versions: True to compare different versions of an engine.
 
     Raises:
-        NothingInCommonError: if no stack is timed with the extension in both files.
+        NothingInCommonError: if the files contain no frame times of a common stack with the extension.
     """
     if not base.ratios.keys() & head.ratios.keys():
         raise NothingInCommonError(
-            f"{base.name} and {head.name} have no stack in common that is timed with the extension: create both files "
-            "with 'uv run pytest --benchmark-only'"
+            f"{base.name} and {head.name} must contain frame times of a common stack with the extension, but do not: "
+            "create both files with 'uv run pytest --benchmark-only'"
         )
     findings = [
-        Finding("time", str(cell), "open", "missing in the head") for cell in base.ratios if cell not in head.ratios
+        Finding("time", str(group), "open", "missing in the head") for group in base.ratios if group not in head.ratios
     ]
     findings += [
-        Finding("time", str(cell), "open", "new: not in the base") for cell in head.ratios if cell not in base.ratios
+        Finding("time", str(group), "open", "new: not in the base") for group in head.ratios if group not in base.ratios
     ]
-    groups: dict[str, list[Group]] = defaultdict(list)
-    for cell in head.ratios:
-        if cell in base.ratios:
-            why = _incomparable(base, head, cell, across_versions)
+    by_figure: dict[str, list[Group]] = defaultdict(list)
+    for group in head.ratios:
+        if group in base.ratios:
+            why = _incomparable(base, head, group, across_versions)
             if why is None:
-                groups[cell.group].append(cell)
+                by_figure[group.group].append(group)
             else:
-                findings.append(Finding("time", str(cell), "open", why))
-    findings += [_judged(base, head, name, cells) for name, cells in groups.items()]
+                findings.append(Finding("time", str(group), "open", why))
+    findings += [_judged(base, head, name, groups) for name, groups in by_figure.items()]
     notes = tuple(
         f"{what}: {are}, was {base.circumstances[what]}"
         for what, are in head.circumstances.items()
@@ -235,26 +237,26 @@ def compare_benchmarks(base: FrameTimes, head: FrameTimes, *, across_versions: b
     return Comparison(base.name, head.name, findings, notes, ABOUT)
 
 
-def _incomparable(base: FrameTimes, head: FrameTimes, cell: Group, across_versions: bool) -> str | None:
-    """Return the reason for which the frame ratios of a group cannot be compared; None if they can."""
+def _incomparable(base: FrameTimes, head: FrameTimes, group: Group, across_versions: bool) -> str | None:
+    """Return the reason that excludes the frame ratios of a group from the comparison; None without a reason."""
     if base.processor is None or head.processor is None:
         return "its processor is unknown"
     if base.processor != head.processor:
         return f"on {head.processor}, was on {base.processor}"
-    was, now = base.versions[cell], head.versions[cell]
+    was, now = base.versions[group], head.versions[group]
     if was != now and not across_versions:
-        return f"{cell.engine} {now}, was {was} (--across-versions compares them)"
+        return f"{group.engine} {now}, was {was} (--across-versions compares them)"
     return None
 
 
-def _judged(base: FrameTimes, head: FrameTimes, name: str, cells: Sequence[Group]) -> Finding:
+def _judged(base: FrameTimes, head: FrameTimes, name: str, groups: Sequence[Group]) -> Finding:
     """Judge the frame ratios of all stacks of an engine, profile and policy."""
     pairs: list[tuple[float, float]] = []
     figures = []
-    for cell in cells:
-        was, now = base.ratios[cell], head.ratios[cell]
+    for group in groups:
+        was, now = base.ratios[group], head.ratios[group]
         pairs += zip(was.tolist(), now.tolist(), strict=False)
-        figures.append(f"{cell.stack} {_middle(now):.3f}, was {_middle(was):.3f}")
+        figures.append(f"{group.stack} {_middle(now):.3f}, was {_middle(was):.3f}")
     judgement, message = judge_times(pairs, TOLERANCE.time_share)
     return Finding("time", name, judgement, f"{message} ({'; '.join(figures)})")
 
@@ -265,12 +267,12 @@ def _middle(ratios: FloatArray) -> float:
 
 
 def _ratios(path: Path, benchmark: _Benchmark) -> FloatArray:
-    """Return the frame ratio of each whole second, shape (s,)."""
+    """Return the frame ratio of each of the s whole seconds, shape (s,)."""
     info, times = benchmark.extra_info, np.array(benchmark.stats.data)
     if not len(times):
         raise BaselineError(
-            f"{path}: the file must contain the time of each round, but does not; create the file again with "
-            "--benchmark-save-data"
+            f"{path}: the file must contain the time of each round, but does not; create the file again with 'uv run "
+            "pytest --benchmark-only --benchmark-save-data'"
         )
     count = min(len(times) // info.frames_per_second, len(info.alone_ms))
     if not count:
@@ -295,9 +297,9 @@ def _is_benchmark_file(path: Path) -> bool:
 
 
 def _frame_benchmarks(content: Any) -> Iterator[Any]:
-    for one in content["benchmarks"]:
-        if one["extra_info"].get("format") == FORMAT:
-            yield one
+    for benchmark in content["benchmarks"]:
+        if benchmark["extra_info"].get("format") == FORMAT:
+            yield benchmark
 
 
 def _first(error: Exception) -> str:

@@ -20,7 +20,7 @@ _NO_REPORT = "--no-report"
 
 @dataclass(frozen=True, slots=True)
 class Checkout:
-    """A version of the suite that can be run."""
+    """A version of the suite, ready to run."""
 
     name: str
     """Name for messages and tables."""
@@ -36,7 +36,7 @@ class Checkout:
         Args:
             study: file of the study.
             out: results folder.
-            report: False to write no report, if this version of the suite can leave it out.
+            report: False to write no report, if this version of the suite can omit the report.
 
         Raises:
             CheckoutError: if the run fails.
@@ -58,13 +58,13 @@ def prepare(
 
     Args:
         version: a commit, a branch or a tag; or a folder with a checkout, which stays unchanged.
-        packages: packages that replace the locked ones, such as the wheel of another build of an engine.
+        packages: packages that replace locked packages, such as the wheel of another build of an engine.
         console: console that shows the start of each slow step.
         engines: names of the engines to install.
         allow_dirty: True to accept uncommitted changes.
 
     Raises:
-        CheckoutError: if there is no such version, it has uncommitted changes, or it cannot be installed.
+        CheckoutError: if the version does not exist, has uncommitted changes, or has a package that uv cannot install.
     """
     if (Path(version) / "bench" / "__main__.py").is_file():
         return _folder(version, packages, allow_dirty)
@@ -74,11 +74,10 @@ def prepare(
 
 
 def checked_out(version: str, console: Console, *, allow_dirty: bool = False) -> Path:
-    """Return the folder of a kept checkout of a commit, a branch or a tag, without an environment.
+    """Return the cached checkout of a version, without an environment; create the checkout if necessary.
 
     Raises:
-        CheckoutError: if there is no such version, or if it is the present commit and the checkout has uncommitted
-            changes.
+        CheckoutError: if the version does not exist, or is the present commit and the checkout has uncommitted changes.
     """
     commit = call(
         version,
@@ -96,17 +95,17 @@ def checked_out(version: str, console: Console, *, allow_dirty: bool = False) ->
 
 
 def named_by_difference(sides: tuple[Checkout, Checkout], packages: tuple[Sequence[str], Sequence[str]]) -> list[str]:
-    """Return the names of base and head, made of what differs: the version of the suite, the chosen packages, or both.
+    """Return the names of base and head, which state their differences: version of the suite, chosen packages, or both.
 
     If only one side has chosen packages, the name of the other side states the locked versions of these packages.
     """
     pins = [dict(pin.partition("==")[::2] for pin in side.pins if "==" in pin) for side in sides]
-    chosen = sorted({name for one in pins for name in one if len({pin.get(name) for pin in pins}) > 1})
+    chosen = sorted({name for versions in pins for name in versions if len({pin.get(name) for pin in pins}) > 1})
     names = []
     for side, pin, asked in zip(sides, pins, packages, strict=True):
-        replaced = [Path(one).name if Path(one).exists() else one.replace("==", " ") for one in asked]
-        chosen_names = {one.split(" ")[0] for one in replaced}
-        wanted = {one.partition("==")[0] for other in packages for one in other}
+        replaced = [Path(package).name if Path(package).exists() else package.replace("==", " ") for package in asked]
+        chosen_names = {package.split(" ")[0] for package in replaced}
+        wanted = {package.partition("==")[0] for of_side in packages for package in of_side}
         kept = [f"{name} {pin[name]}" for name in chosen if name in wanted - chosen_names and name in pin]
         same_suite = sides[0].name == sides[1].name
         parts = [*([] if same_suite else [side.name]), *replaced, *kept]
@@ -115,7 +114,7 @@ def named_by_difference(sides: tuple[Checkout, Checkout], packages: tuple[Sequen
 
 
 def prune_checkouts(console: Console) -> int:
-    """Remove all kept checkouts from the cache; return their number."""
+    """Remove all checkouts from the cache; return their number."""
     folders = sorted(path for path in (CACHE / "checkouts").glob("*") if path.is_dir())
     for folder in folders:
         try:
@@ -128,7 +127,7 @@ def prune_checkouts(console: Console) -> int:
 
 
 def _folder(version: str, packages: Sequence[str], allow_dirty: bool) -> Checkout:
-    """Return a folder with a checkout and its environment as they are."""
+    """Return the checkout in a folder of the user, with the environment ``.venv`` of this folder."""
     checkout = Checkout(version, Path(version).resolve(), Path(version).resolve() / ".venv" / "bin" / "python")
     if packages:
         raise CheckoutError(
@@ -140,12 +139,12 @@ def _folder(version: str, packages: Sequence[str], allow_dirty: bool) -> Checkou
             f"{version}: the folder must contain an environment (.venv), but does not: run 'uv sync' there"
         )
     if not allow_dirty and (checkout.folder / ".git").exists():
-        _refuse_changes(version, checkout.folder, "no commit would name what was compared")
+        _refuse_changes(version, checkout.folder, "no commit would name the compared sources")
     return checkout
 
 
 def _refuse_changes(version: str, folder: Path, why: str) -> None:
-    """Raise an error for uncommitted changes of tracked files."""
+    """Raise an error if tracked files have uncommitted changes."""
     changed = call(version, ["git", "status", "--porcelain", "--untracked-files=no"], folder).splitlines()
     if changed:
         raise CheckoutError(

@@ -19,7 +19,7 @@ _LONGEST = 700
 
 
 class CheckoutError(ValueError):
-    """A version that cannot be checked out, installed or run; the message names the reason and the fix."""
+    """A failure to check out, install or run a version; the message names the reason and the fix."""
 
 
 def call(name: str, command: Sequence[str], folder: Path, fix: str = "correct this error") -> str:
@@ -49,6 +49,6 @@ def call(name: str, command: Sequence[str], folder: Path, fix: str = "correct th
 
 
 def _reason(output: str) -> str:
-    """Return an error output in one line: from the last line "error: ..." on, so without warnings before it."""
-    _, found, last = ("\n" + output).rpartition("\nerror: ")
-    return " ".join((last if found else output).split())
+    """Return an error output as one line, from the last line "error: ..." on, without earlier warnings."""
+    _, mark, last = ("\n" + output).rpartition("\nerror: ")
+    return " ".join((last if mark else output).split())

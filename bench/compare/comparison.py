@@ -17,7 +17,7 @@ from scenarios.registry import with_defaults
 
 
 class NothingInCommonError(ValueError):
-    """Two sides that share no trial, so that a comparison can state neither a pass nor a regression."""
+    """Two sides without a common trial, so that a comparison can state neither a pass nor a regression."""
 
 
 Pair = tuple[TrialRecord, TrialRecord]
@@ -41,7 +41,7 @@ def compare_runs(
         names: names of base and head, for the messages.
         across_versions: True to compare outcomes of different versions of an engine.
         poses: True to compare poses of different versions of an engine as well.
-        require_all: True if a trial of the base that the head does not have is an alarm.
+        require_all: True to raise an alarm for each trial of the base that the head lacks.
 
     Raises:
         SideFailedError: if all trials of a side failed.
@@ -62,14 +62,14 @@ def compare_runs(
     failed = failed_engines(base)
     findings += [Finding("outcome", engine, "open", f"in {names[0]} {why}") for engine, why in failed.items()]
     comparable = []
-    for one, other in pairs:
-        if one.engine in failed:
+    for base_trial, head_trial in pairs:
+        if base_trial.engine in failed:
             continue
-        why = _incomparable(base, head, one, other, across_versions)
+        why = _incomparable(base, head, base_trial, head_trial, across_versions)
         if why is None:
-            comparable.append((one, other))
+            comparable.append((base_trial, head_trial))
         else:
-            findings.append(Finding("outcome", other.trial, "open", why))
+            findings.append(Finding("outcome", head_trial.trial, "open", why))
     findings += _outcomes(base, head, comparable)
     hashed = list(_trajectories(base, head, comparable, poses))
     same_way = {finding.trial for finding in hashed if finding.judgement == "same"}
@@ -80,16 +80,16 @@ def compare_runs(
 
 
 def _incomparable(
-    base: Baseline, head: Baseline, one: TrialRecord, other: TrialRecord, across_versions: bool
+    base: Baseline, head: Baseline, base_trial: TrialRecord, head_trial: TrialRecord, across_versions: bool
 ) -> str | None:
-    """Return the reason for which two trials with the same id cannot be compared; None if they can."""
-    if _scene(one) != _scene(other):
+    """Return the reason that excludes two trials with the same id from the comparison; None without a reason."""
+    if _scene(base_trial) != _scene(head_trial):
         return "another scene under the same name"
-    if one.engine_version != other.engine_version and not across_versions:
-        return f"{other.engine} {other.engine_version}, was {one.engine_version} (--across-versions compares them)"
-    limited = [
-        name for name, is_limited in (("base", base.is_limited(one)), ("head", head.is_limited(other))) if is_limited
-    ]
+    if base_trial.engine_version != head_trial.engine_version and not across_versions:
+        versions = f"{head_trial.engine_version}, was {base_trial.engine_version}"
+        return f"{head_trial.engine} {versions} (--across-versions compares them)"
+    is_limited = {"base": base.is_limited(base_trial), "head": head.is_limited(head_trial)}
+    limited = [name for name in is_limited if is_limited[name]]
     return f"stopped by its time limit in {' and '.join(limited)}" if limited else None
 
 
@@ -107,12 +107,12 @@ def _scene(record: TrialRecord) -> tuple[object, ...]:
 
 def _outcomes(base: Baseline, head: Baseline, pairs: Sequence[Pair]) -> Iterator[Finding]:
     draws: dict[str, list[Pair]] = defaultdict(list)
-    for one, other in pairs:
-        if base.repeats_itself(one) and head.repeats_itself(other):
-            judged = judge_outcome(one, other, _tolerance(head, other))
-            yield Finding("outcome", other.trial, *judged, values_of([one]), values_of([other]))
+    for base_trial, head_trial in pairs:
+        if base.repeats_itself(base_trial) and head.repeats_itself(head_trial):
+            judged = judge_outcome(base_trial, head_trial, _tolerance(head, head_trial))
+            yield Finding("outcome", head_trial.trial, *judged, values_of([base_trial]), values_of([head_trial]))
         else:
-            draws[other.trial.rpartition(".r")[0]].append((one, other))
+            draws[head_trial.trial.rpartition(".r")[0]].append((base_trial, head_trial))
     for name, group in draws.items():
         before, now = zip(*group, strict=True)
         judged = judge_draws(before, now, _tolerance(head, now[0]))
@@ -120,41 +120,47 @@ def _outcomes(base: Baseline, head: Baseline, pairs: Sequence[Pair]) -> Iterator
 
 
 def _trajectories(base: Baseline, head: Baseline, pairs: Sequence[Pair], across: bool) -> Iterator[Finding]:
-    for one, other in pairs:
-        if base.repeats_itself(one) and head.repeats_itself(other):
-            yield Finding("hash", other.trial, *judge_poses(one, other, (base, head), across_versions=across))
+    for base_trial, head_trial in pairs:
+        if base.repeats_itself(base_trial) and head.repeats_itself(head_trial):
+            yield Finding(
+                "hash", head_trial.trial, *judge_poses(base_trial, head_trial, (base, head), across_versions=across)
+            )
 
 
 def _times(base: Baseline, head: Baseline, pairs: Sequence[Pair], same_way: Collection[str]) -> Iterator[Finding]:
     """Yield one finding for each engine, profile and part of a frame, over all trials with a reference part."""
     groups: dict[str, list[Pair]] = defaultdict(list)
-    for one, other in pairs:
-        if one.trial in base.shares and other.trial in head.shares:
-            groups[f"{other.engine}.{other.profile}"].append((one, other))
+    for base_trial, head_trial in pairs:
+        if base_trial.trial in base.shares and head_trial.trial in head.shares:
+            groups[f"{head_trial.engine}.{head_trial.profile}"].append((base_trial, head_trial))
     for name, group in sorted(groups.items()):
         figures: dict[str, list[tuple[float, float]]] = defaultdict(list)
-        for one, other in group:
-            machines = base.machine(one), head.machine(other)
-            yardstick = _yardstick(*machines, other.trial in same_way)
+        for base_trial, head_trial in group:
+            machines = base.machine(base_trial), head.machine(head_trial)
+            yardstick = _yardstick(*machines, head_trial.trial in same_way)
             if yardstick is not None:
-                before, now = base.shares[one.trial], head.shares[other.trial]
+                before, now = base.shares[base_trial.trial], head.shares[head_trial.trial]
                 for part in PARTS:
                     if part != yardstick:
-                        cell = f"{name}.{part} / {yardstick}"
-                        figures[cell].append((before[part] / before[yardstick], now[part] / now[yardstick]))
+                        figure = f"{name}.{part} / {yardstick}"
+                        figures[figure].append((before[part] / before[yardstick], now[part] / now[yardstick]))
         if not figures:
             yield Finding("time", name, "open", "no reference part: the core and the engine's work both differ")
-        least = max(_tolerance(head, other).time_share for _, other in group)
-        for cell, those in figures.items():
-            yield Finding("time", cell, *judge_times(those, least))
+        least = max(_tolerance(head, head_trial).time_share for _, head_trial in group)
+        for figure, ratios in figures.items():
+            yield Finding("time", figure, *judge_times(ratios, least))
 
 
 def _yardstick(base: Machine | None, head: Machine | None, went_same_way: bool) -> Part | None:
     """Return the reference part: the part of a frame that is the same in base and head.
 
     Returns:
-        ``core`` if both sides run the same code; else ``engine`` if all poses are the same; None otherwise, and for
-        different or unknown processors.
+        The first case that applies:
+
+        - None for different or unknown processors;
+        - ``core`` if both sides run the same code;
+        - ``engine`` if all poses are the same;
+        - None otherwise.
     """
     if base is None or head is None or other_processor(base, head) is not None:
         return None
@@ -168,7 +174,7 @@ def _tolerance(head: Baseline, record: TrialRecord) -> Tolerance:
 
 
 def _differences(base: Baseline, head: Baseline) -> Iterator[str]:
-    """Yield the differences between the two runs as a whole: processors, versions, commits."""
+    """Yield the differences between the two runs as a whole: processors, platforms, versions, commits and settings."""
     before, now = _circumstances(base), _circumstances(head)
     for what in dict.fromkeys([*before, *now]):
         was, are = (", ".join(sorted(side.get(what, {"unknown"}))) for side in (before, now))
@@ -178,15 +184,15 @@ def _differences(base: Baseline, head: Baseline) -> Iterator[str]:
 
 def _circumstances(side: Baseline) -> dict[str, set[str]]:
     """Return the sets of processors, platforms, versions and commits of a side's machines, by name of the property."""
-    found: dict[str, set[str]] = defaultdict(set)
+    properties: dict[str, set[str]] = defaultdict(set)
     for machine in side.present_machines.values():
-        found["processor"].add(machine.processor)
-        found["platform"].add(machine.platform)
-        found["Python"].add(machine.python)
-        found["commit"].add((machine.commit or "unknown")[:12] + (" with changes" if machine.modified else ""))
+        properties["processor"].add(machine.processor)
+        properties["platform"].add(machine.platform)
+        properties["Python"].add(machine.python)
+        properties["commit"].add((machine.commit or "unknown")[:12] + (" with changes" if machine.modified else ""))
         for name, version in machine.packages.items():
-            found[name].add(version)
+            properties[name].add(version)
         for name, engine in machine.engines.items():
-            found[name].add(engine.version)
-            found[f"settings that {name} does not have"].add(", ".join(engine.missing_knobs) or "none")
-    return found
+            properties[name].add(engine.version)
+            properties[f"settings that {name} does not have"].add(", ".join(engine.missing_knobs) or "none")
+    return properties

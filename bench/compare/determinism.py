@@ -1,10 +1,10 @@
 """The determinism gate, which judges whether every pose is the same to the last bit.
 
 The gate judges only engines that repeat bit for bit across processes, on one model of processor. A side may have pose
-hashes of several models; the gate compares those of the models that both sides have. Different versions of
-an engine are compared only if the caller asks whether poses changed between them. A change is an alarm, not necessarily
-an error: a change of the core or of a scene may move bricks on purpose. The commit of such a change also contains a new
-baseline.
+hashes of several models. The gate compares the pose hashes of the models that both sides have. It compares different
+versions of an engine only if the caller asks for this comparison. A change of a pose is an alarm, not necessarily an
+error: a change of the core or of a scene may move bricks on purpose. The commit of a change on purpose must also
+contain a new baseline.
 """
 
 from __future__ import annotations
@@ -36,10 +36,10 @@ def judge_poses(
         across_versions: True to compare the poses of different versions of an engine.
 
     Returns:
-        The judgement, and a message that explains it.
+        The judgement, and a message that explains the judgement.
 
     Raises:
-        BaselineError: if a pose trace cannot be read.
+        BaselineError: if a pose trace is unreadable.
     """
     if base.engine_version != head.engine_version and not across_versions:
         return "open", f"{head.engine} {head.engine_version}, was {base.engine_version} (--poses compares them)"
@@ -60,7 +60,7 @@ def judge_poses(
 
 
 def other_processor(base: Machine | None, head: Machine | None) -> str | None:
-    """Return the reason for which results that depend on the processor cannot be compared; None if they can."""
+    """Return the reason that excludes a comparison of processor-dependent results; None without a reason."""
     if base is None or head is None:
         return "its processor is unknown"
     if base.processor != head.processor:
@@ -73,7 +73,7 @@ def _on_other_processor(head: str, base: str) -> str:
 
 
 def _where_they_part(base: str, head: str, sides: tuple[Baseline, Baseline]) -> str:
-    """Return the first frame and the first body that differ, with values, as the end of a message.
+    """Return the first difference of two trials as the end of a message: frame, body and values.
 
     Args:
         base: pose hash of the base.
@@ -91,11 +91,12 @@ def _where_they_part(base: str, head: str, sides: tuple[Baseline, Baseline]) -> 
 
 
 def _values(base: FloatArray | None, head: FloatArray | None) -> str:
-    """Return the component of a pose that differs most, with both values, as the end of a message.
+    """Return the component with the greatest difference, with both values, as the end of a message.
 
     Args:
-        base: pose in the base, shape (7,); None if unknown. Without finite numbers if the body is not there.
-        head: pose in the head, likewise.
+        base: pose in the base (x, y, z [m], qw, qx, qy, qz), shape (7,); None if unknown. NaN or infinite if the world
+            does not contain the body.
+        head: pose in the head, with the same exceptions.
     """
     if head is None:
         return ""

@@ -1,8 +1,8 @@
-"""Environments with resolved packages. Comparisons share an environment with the same packages, and keep it for later.
+"""Environments with resolved packages, which comparisons share and keep for later comparisons.
 
 An environment contains exactly the resolved packages, without the suite, which runs from a checkout's folder. An
-environment may lie on a shared one: it then contains only the packages that the shared one lacks or has in another
-version, and its own packages come first.
+environment may extend a shared environment. Then it contains only the packages that the shared environment lacks or has
+in another version, and Python looks for its packages first.
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ from reports.records.atomic import write_atomic
 CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "stillstack"
 """Folder of the suite's caches."""
 _REQUIREMENTS = "requirements.txt"
-"""File in an environment's folder with its packages. It is written last, so that it marks a complete environment."""
+"""File in an environment's folder with its packages. The function writes this file last, so that the file marks a
+complete environment."""
 _LINK = "shared.pth"
 """File that adds the folder of the shared environment's packages, after the environment's own packages."""
 
@@ -34,16 +35,16 @@ def environments_folder() -> Path:
 
 
 def environment(name: str, pins: Sequence[str], console: Console, *, on: Sequence[str] = ()) -> Path:
-    """Return the interpreter of an environment with the packages ``pins``; create it if necessary.
+    """Return the interpreter of an environment with the packages ``pins``; create the environment if necessary.
 
     Args:
         name: the side of the comparison, for messages.
         pins: requirements with versions.
         console: console that shows the start of the installation.
-        on: packages of the shared environment below; empty for an environment of its own.
+        on: packages of the shared environment to extend; empty for an environment that extends none.
 
     Raises:
-        CheckoutError: if a package cannot be installed.
+        CheckoutError: if uv cannot install a package.
     """
     own = sorted(set(pins) - set(on))
     shared = environment("the suite", on, console) if on else None
@@ -68,7 +69,7 @@ def environment(name: str, pins: Sequence[str], console: Console, *, on: Sequenc
 
 
 def is_complete(pins: Sequence[str], on: Sequence[str] = ()) -> bool:
-    """Return whether the environment with the packages ``pins`` exists, on the shared one with the packages ``on``."""
+    """Return whether an environment with ``pins`` exists that extends the shared environment with ``on``."""
     return (environments_folder() / _digest(pins, on) / _REQUIREMENTS).exists()
 
 
@@ -95,7 +96,7 @@ def _packages(python: Path) -> Path:
 
 
 def _digest(pins: Sequence[str], on: Sequence[str] = ()) -> str:
-    """Return the digest of the packages, and of the content of local files, which a rebuild changes."""
+    """Return the digest of the packages and of the content of local files, because a rebuild may change a file."""
     digest = hashlib.blake2b("\n".join(sorted(on)).encode(), digest_size=6)
     for pin in sorted(pins):
         digest.update(pin.encode() + b"\0")

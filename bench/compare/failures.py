@@ -1,7 +1,9 @@
-"""Sides whose trials all failed: such a side states nothing about stacking, so that no comparison with it has a result.
+"""Sides whose trials all failed.
 
-A trial failed if an error, a crash or a lack of memory ended it. A trial that collapsed, diverged or reached its time
-limit has a result.
+A comparison with a failed side has no result, because this side states nothing about stacking.
+
+A trial failed if an error, a crash or a lack of memory ended the trial. A trial that collapsed, diverged or reached its
+time limit has a result.
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ _NO_RESULT: frozenset[Status] = FAILED | {"unsupported"}
 
 
 class SideFailedError(ValueError):
-    """A side all of whose trials failed; the message has the first failure."""
+    """A side in which every trial failed; the message contains the first failure and the fix."""
 
 
 def require_results(side: Baseline, name: str) -> None:
@@ -27,7 +29,7 @@ def require_results(side: Baseline, name: str) -> None:
 
     Args:
         side: base or head.
-        name: its name, for the message.
+        name: name of the side, for the message.
 
     Raises:
         SideFailedError: if all trials failed.
@@ -36,14 +38,14 @@ def require_results(side: Baseline, name: str) -> None:
         return
     first = _first(side.trials)
     raise SideFailedError(
-        f"{name}: all {len(side.trials)} trials failed, so that nothing can be compared; the first, "
+        f"{name}: all {len(side.trials)} trials failed, so that a comparison has no result; the first failure, "
         f"{plain(first.trial)}: {first.status}: {plain(first.message) or 'no message'}; correct this failure, or "
         "choose another version"
     )
 
 
 def failed_engines(side: Baseline) -> dict[str, str]:
-    """Return the engines all of whose trials in a side failed, with the number of trials and the first message."""
+    """Return each engine whose trials in a side all failed, with the number of its trials and its first failure."""
     groups: dict[str, list[TrialRecord]] = defaultdict(list)
     for record in side.trials:
         groups[record.engine].append(record)
@@ -55,5 +57,5 @@ def failed_engines(side: Baseline) -> dict[str, str]:
 
 
 def _first(records: Sequence[TrialRecord]) -> TrialRecord:
-    """Return the first failed trial, or the first trial of an engine that supports none."""
+    """Return the first failed trial; without a failed trial, the first trial."""
     return next((record for record in records if record.status in FAILED), records[0])

@@ -63,7 +63,7 @@ class Comparison:
     """Number of trials of the base."""
 
     def alarms(self, gates: Collection[Gate] = GATES) -> list[Finding]:
-        """Return the findings that fail one of ``gates``."""
+        """Return the findings that fail a gate in ``gates``."""
         return [finding for finding in self.findings if finding.gate in gates and finding.is_alarm]
 
     def counts(self, gate: Gate) -> Counter[Judgement]:
@@ -91,6 +91,6 @@ def chosen_gates(names: str) -> tuple[Gate, ...]:
 
 
 def plain(text: str) -> str:
-    """Return untrusted text of a file as one line of printable characters, at most ``_LONGEST`` long."""
+    """Return untrusted text of a file as one line of at most ``_LONGEST`` printable characters."""
     cut = text if len(text) <= _LONGEST else text[: _LONGEST - 1] + "…"
     return "".join(letter if letter.isprintable() else "\N{REPLACEMENT CHARACTER}" for letter in cut)

@@ -1,4 +1,4 @@
-"""Run both versions on this machine in alternating order (A B, B A, A B ...), so that drifts of its speed cancel."""
+"""Run both versions in alternating order (A B, B A, A B ...), so that slow drifts of the machine's speed cancel."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ from reports.records.trial import TrialRecord
 def run_interleaved(
     sides: tuple[Checkout, Checkout], study: Study, rounds: int, out: Path, console: Console
 ) -> tuple[Baseline, Baseline]:
-    """Run ``study`` with base and head, ``rounds`` times each in alternating order; return base and head.
+    """Run ``study`` ``rounds`` times with base and with head, in alternating order; return the results of both sides.
 
     The result for each side joins the repeats of all runs of this side. An interrupted run continues in the same
     folder.
 
     Args:
         sides: checkouts of base and head.
-        study: the study that both run; its tolerances apply.
+        study: the study for both sides; the comparison uses the tolerances of this study.
         rounds: number of runs of each side.
         out: folder for the results of all runs.
         console: console that shows the start of each run.
@@ -42,7 +42,7 @@ def run_interleaved(
     out.mkdir(parents=True, exist_ok=True)
     plan = (out / "study.toml").resolve()
     write_atomic(plan, to_toml(_without_tolerances(study)).encode())
-    found: tuple[list[Baseline], list[Baseline]] = ([], [])
+    results: tuple[list[Baseline], list[Baseline]] = ([], [])
     for number in range(rounds):
         for side in (0, 1) if number % 2 == 0 else (1, 0):
             folder = out / f"{('base', 'head')[side]}-{number + 1}"
@@ -50,9 +50,9 @@ def run_interleaved(
             sides[side].run(plan, folder.resolve())
             run = read_baseline(folder)
             require_results(run, sides[side].name)
-            found[side].append(run)
-    tolerances = {one.name: one.tolerance for one in study.scenario}
-    base, head = (as_repeats(runs, study.repeats) for runs in found)
+            results[side].append(run)
+    tolerances = {scenario.name: scenario.tolerance for scenario in study.scenario}
+    base, head = (as_repeats(runs, study.repeats) for runs in results)
     return base, head.model_copy(update={"tolerances": tolerances})
 
 

@@ -1,7 +1,7 @@
 """The outcome gate, which judges levels, collapse level, verdict, sink and creep.
 
 The caller excludes trials that the time limit may have ended. For an engine that repeats bit for bit, the gate compares
-single trials. For another engine, it compares groups of repeats, because a single trial is a random draw.
+single trials. For another engine, the gate compares groups of repeats, because a single trial is a random draw.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ LEAST_REPEATS = 5
 sides all repeats of the head are worse than all repeats of the base in only one of 252 groups."""
 
 _PLAYED = frozenset({"completed", "collapsed"})
-"""Statuses of trials that were played to their end."""
+"""Statuses of trials that the harness played to their ends."""
 _MM = 1e3
 """Factor from metres to millimetres."""
 
@@ -45,9 +45,9 @@ def judge_draws(
 ) -> tuple[Judgement, str]:
     """Judge repeats of an engine that does not repeat bit for bit; return the judgement and its reasons.
 
-    The head is worse (better) only if each of its trials is worse (better) than each trial of the base.
+    The head is worse (better) only if each trial of the head is worse (better) than each trial of the base.
     """
-    judged = [judge_outcome(one, other, tolerance) for one, other in product(base, head)]
+    judged = [judge_outcome(was, now, tolerance) for was, now in product(base, head)]
     kinds = {judgement for judgement, _ in judged}
     if len(kinds) > 1:
         return "same", ""
@@ -78,7 +78,7 @@ def _values(record: TrialRecord) -> str:
 
 
 def _judge_failure(base: TrialRecord, head: TrialRecord) -> tuple[Judgement, str]:
-    """Judge two trials, at least one of which was not played to its end."""
+    """Judge two trials if the harness did not play both trials to their ends."""
     message = f"{head.status}, was {base.status}"
     if head.message and head.status not in _PLAYED:
         message += f" ({head.message})"
@@ -90,7 +90,7 @@ def _judge_failure(base: TrialRecord, head: TrialRecord) -> tuple[Judgement, str
 
 
 def _lost(base: TrialRecord, head: TrialRecord) -> list[str]:
-    """Return a list with the verdict of ``head`` if ``base`` was right and ``head`` is not; else an empty list."""
+    """Return a list with the verdict of ``head`` if ``base`` is right and ``head`` is not right; else an empty list."""
     if _differ_in_creep_rule(base, head):
         return []
     return [f"{head.verdict}, was right"] if base.verdict == "right" and head.verdict != "right" else []
@@ -99,7 +99,7 @@ def _lost(base: TrialRecord, head: TrialRecord) -> list[str]:
 def _differ_in_creep_rule(base: TrialRecord, head: TrialRecord) -> bool:
     """Return whether one side is right and the other side creeps, and only one side has a measured creep.
 
-    An earlier record has no creep, because format 3 of the records introduced it.
+    A record from before format 3 has no creep, because format 3 introduced the field.
     """
     is_judged_alike = (base.creep_m_s is None) == (head.creep_m_s is None)
     return not is_judged_alike and {base.verdict, head.verdict} == {"right", "creeps"}
@@ -107,19 +107,19 @@ def _differ_in_creep_rule(base: TrialRecord, head: TrialRecord) -> bool:
 
 def _less(base: TrialRecord, head: TrialRecord, tolerance: Tolerance) -> list[str]:
     """Return the figures in which ``head`` is worse than ``base`` by more than the tolerance."""
-    found = []
+    reasons = []
     if _fall_error(head) > _fall_error(base) + tolerance.levels:
-        found.append(f"{_fall(head)}, {_fall(base)} before")
+        reasons.append(f"{_fall(head)}, {_fall(base)} before")
     if head.expectation.outcome != "fall" and head.height_levels < base.height_levels - tolerance.levels:
-        found.append(f"{head.height_levels} of {head.levels_planned} levels, {base.height_levels} before")
+        reasons.append(f"{head.height_levels} of {head.levels_planned} levels, {base.height_levels} before")
     if head.height_levels == base.height_levels:  # sinks of stacks of different heights are not comparable
         allowed = _allowed(base.sink_m, tolerance.sink_m, tolerance.sink_share)
         if _exceeds(head.sink_m, allowed):
-            found.append(f"sinks {_figure(head.sink_m, 'mm')}, {_figure(base.sink_m, 'mm')} before")
+            reasons.append(f"sinks {_figure(head.sink_m, 'mm')}, {_figure(base.sink_m, 'mm')} before")
     allowed = _allowed(base.creep_m_s, tolerance.creep_m_s, tolerance.creep_share)
     if _exceeds(_certain_creep(head), allowed):
-        found.append(f"creeps {_figure(head.creep_m_s, 'mm/s')}, {_figure(base.creep_m_s, 'mm/s')} before")
-    return found
+        reasons.append(f"creeps {_figure(head.creep_m_s, 'mm/s')}, {_figure(base.creep_m_s, 'mm/s')} before")
+    return reasons
 
 
 def _certain_creep(record: TrialRecord) -> float | None:
@@ -134,7 +134,7 @@ def _certain_creep(record: TrialRecord) -> float | None:
 def _fall_error(record: TrialRecord) -> int:
     """Return the absolute difference [levels] between the collapse level and the level that theory demands.
 
-    A stack that stands counts as a stack that falls at the level above its last level.
+    For a standing stack, the collapse level is the level above the last level of the stack.
     """
     beyond = record.levels_planned + 1
     falls_at = beyond if record.collapse_level is None else record.collapse_level

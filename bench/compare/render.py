@@ -29,7 +29,7 @@ _ASIDE = (
 
 
 def headline(comparison: Comparison, fail_on: Collection[Gate]) -> str:
-    """Summarise the comparison in one line: the alarms by gate, or the gates that could decide nothing."""
+    """Summarise the comparison in one line: the alarms by gate, or the gates without a decision."""
     alarms = comparison.alarms(fail_on)
     if alarms:
         counts = ", ".join(
@@ -64,22 +64,28 @@ def tables(comparison: Comparison, fail_on: Collection[Gate]) -> list[Table]:
         ("Worse or changed", [finding for finding in comparison.findings if finding.is_alarm], ()),
         ("Better", [finding for finding in comparison.findings if finding.judgement == "better"], ()),
         ("Not decided", [finding for finding in comparison.findings if finding.judgement == "open"], (_ASIDE,)),
-        ("Times", [one for one in comparison.findings if one.gate == "time" and one.judgement == "same"], ()),
+        ("Times", [time for time in comparison.findings if time.gate == "time" and time.judgement == "same"], ()),
     )
-    return [counted, *(_listed(title, found, notes, ratio, names) for title, found, notes in kinds if found)]
+    return [counted, *(_listed(title, findings, notes, ratio, names) for title, findings, notes in kinds if findings)]
 
 
 def _listed(
     title: str, findings: Sequence[Finding], notes: tuple[str, ...], ratio: str, names: tuple[str, str]
 ) -> Table:
     """Return the table of findings, with the values of both sides; equal findings of repeats share a row."""
-    counts = Counter((one.gate, without_repeat(one.trial), one.message, one.base, one.head) for one in findings)
-    first = {(one.gate, without_repeat(one.trial), one.message, one.base, one.head): one for one in findings}
+    counts = Counter(
+        (finding.gate, without_repeat(finding.trial), finding.message, finding.base, finding.head)
+        for finding in findings
+    )
+    first = {
+        (finding.gate, without_repeat(finding.trial), finding.message, finding.base, finding.head): finding
+        for finding in findings
+    }
     rows = []
     for key, count in counts.items():
-        one = first[key]
-        trial = one.trial if count == 1 else f"{without_repeat(one.trial)} (x{count})"
-        rows.append((one.gate, plain(trial), plain(one.message), plain(one.base), plain(one.head)))
+        finding = first[key]
+        trial = finding.trial if count == 1 else f"{without_repeat(finding.trial)} (x{count})"
+        rows.append((finding.gate, plain(trial), plain(finding.message), plain(finding.base), plain(finding.head)))
     if any(row[0] == "time" for row in rows):
         notes += (ratio,)
     if not any(row[3] or row[4] for row in rows):
@@ -99,17 +105,17 @@ _ENTITIES = {ord(letter): f"&#{ord(letter)};" for letter in "\\`*_[]!#@"}
 
 
 def markdown(comparison: Comparison, fail_on: Collection[Gate], pictures: Sequence[tuple[str, str]] = ()) -> str:
-    """Return Markdown for a job's summary or a comment; text of the files cannot become a link, an image or HTML.
+    """Return Markdown for a job's summary or a comment; escape links, images and HTML in text of the files.
 
     Args:
         comparison: the comparison.
         fail_on: gates whose alarms count.
         pictures: the trial and the address of each picture to show after the headline.
     """
-    found = to_markdown(_mapped(table, _literal) for table in tables(comparison, fail_on))
+    listed = to_markdown(_mapped(table, _literal) for table in tables(comparison, fail_on))
     names = [_literal(plain(trial)) for trial, _ in pictures]
     shown = "".join(f"{name}\n\n![{name}]({where})\n\n" for name, (_, where) in zip(names, pictures, strict=True))
-    return f"**Stacking: {headline(comparison, fail_on)}**\n\n{shown}{found}"
+    return f"**Stacking: {headline(comparison, fail_on)}**\n\n{shown}{listed}"
 
 
 def _mapped(table: Table, form: Callable[[str], str]) -> Table:

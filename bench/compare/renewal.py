@@ -1,4 +1,4 @@
-"""Renew a baseline file, and keep the pose hashes that other processors have added to it."""
+"""Renew a baseline file, and keep the file's pose hashes of other processors."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ class Renewal(NamedTuple):
 
 
 def renewed(new: Baseline, former: Baseline) -> Renewal:
-    """Return ``new`` with those pose hashes of ``former`` that other processors still have to reproduce.
+    """Return ``new`` with the pose hashes of ``former`` that other processors still have to reproduce.
 
-    A pose hash of another processor is kept in two cases:
+    The function keeps a trial's pose hash of another processor in two cases, if the version of the engine is the same:
 
-    - the trial's pose hash on the processor of ``new`` is known from before, and has not changed;
-    - it is not known, and both runs have the same sources, packages and version of the engine.
+    - both baselines have pose hashes of the trial on common processors, and these pose hashes are equal;
+    - the baselines have no such processor in common, and both runs have the same sources, Python and packages.
     """
     before = {record.trial: record for record in former.trials}
     poses: dict[str, dict[str, str]] = defaultdict(dict)

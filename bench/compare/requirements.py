@@ -1,9 +1,9 @@
-"""Resolve the packages of an environment: those of the lock file, except the packages that the user chooses.
+"""Resolve the packages of an environment: the packages of the lock file, except the packages that the user chooses.
 
-A chosen package is an override: it replaces every other demand for this package. The resolver prefers the locked
-version of every other package, and changes a version only where a chosen package needs another one. Installed over the
-locked environment instead, a chosen package would meet versions that it does not support, and remains of the release
-that it replaces.
+A chosen package overrides every other demand for this package. The resolver prefers the locked version of every other
+package, and changes a version only where a chosen package needs another version. The module does not install a chosen
+package over the locked environment, because the package could meet unsupported versions and remains of the replaced
+release.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _PLAIN = ("--no-annotate", "--no-header", "--quiet")
 _COMPANIONS = (
     # SAPIEN imports pkg_resources, which setuptools 81 removed.
     ("sapien", SpecifierSet(), ("setuptools<81",)),
-    # Its wheels are compiled for NumPy 1, which later releases of the other two reject at import.
+    # These wheels need NumPy 1, which later releases of pandas and pyarrow reject at import.
     ("pybullet", SpecifierSet("<3.2.7"), ("numpy<2", "pandas<3", "pyarrow<22")),
 )
 """Demands of some releases that their metadata does not state: package, releases, and other packages."""
@@ -59,9 +59,9 @@ def pinned(
     optional = {_OPTIONAL_GROUPS[engine] for engine in engines if engine in _OPTIONAL_GROUPS}
     known = project["dependency-groups"]
     wanted = [group for group in (*_GROUPS, *sorted(optional)) if group in known]
-    demands = [*project["project"]["dependencies"], *(one for group in wanted for one in known[group])]
+    demands = [*project["project"]["dependencies"], *(demand for group in wanted for demand in known[group])]
     demands += _of_engines(known[ENGINES_GROUP], engines)
-    chosen += [companion for one in list(chosen) for companion in _companions(Requirement(one))]
+    chosen += [companion for package in list(chosen) for companion in _companions(Requirement(package))]
     demands += chosen
     overrides = [*project["tool"]["uv"].get("override-dependencies", ()), *chosen]
     with TemporaryDirectory() as scratch:
@@ -77,21 +77,21 @@ def pinned(
 
 
 def _companions(chosen: Requirement) -> Iterator[str]:
-    """Yield the demands of ``_COMPANIONS`` for a chosen package; a file may be of any release."""
-    exact = [one.version for one in chosen.specifier if one.operator == "=="]
+    """Yield the demands of ``_COMPANIONS`` for a chosen package; without an exact version, assume release 99."""
+    exact = [clause.version for clause in chosen.specifier if clause.operator == "=="]
     for package, releases, companions in _COMPANIONS:
-        if canonicalize_name(chosen.name) == package and any(releases.contains(one) for one in exact or ["99"]):
+        if canonicalize_name(chosen.name) == package and any(releases.contains(release) for release in exact or ["99"]):
             yield from companions
 
 
 def _of_engines(group: Iterable[str], engines: Sequence[str]) -> Iterator[str]:
-    """Yield the requirements of a group that are packages of the engines."""
+    """Yield the packages of the engines among the requirements of a group."""
     packages = {canonicalize_name(getattr(ENGINES[engine], "package", engine)) for engine in engines}
-    return (one for one in group if canonicalize_name(Requirement(one).name) in packages)
+    return (demand for demand in group if canonicalize_name(Requirement(demand).name) in packages)
 
 
 def _named(name: str, suite: Path, package: str) -> str:
-    """Return a package as a requirement with its name: the name of a wheel or a folder is found by uv."""
+    """Return a package as a requirement with a name; uv finds the name of a wheel or a folder."""
     if not Path(package).exists():
         try:
             return str(Requirement(package))
@@ -110,13 +110,13 @@ def _named(name: str, suite: Path, package: str) -> str:
 
 
 def _locked(name: str, suite: Path, groups: Sequence[str]) -> list[str]:
-    """Return the locked packages of the groups that apply to this machine."""
+    """Return the locked packages of the groups, without packages for other machines."""
     options = [option for group in groups for option in ("--group", group)]
     plain = ["--no-hashes", "--no-emit-project", "--no-default-groups", *_PLAIN]
     text = call(name, [UV, "export", "--locked", *plain, *options], suite, "run 'uv lock' in this version")
-    found = []
+    pins = []
     for line in text.splitlines():
         pin, _, marker = line.partition(" ; ")
         if not marker or Marker(marker).evaluate():
-            found.append(pin.strip())
-    return found
+            pins.append(pin.strip())
+    return pins

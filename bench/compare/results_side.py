@@ -26,8 +26,8 @@ def read_folder(folder: Path) -> Baseline:
     """Return the side in a results folder.
 
     Raises:
-        BaselineError: if the folder has no trials, or a file is not one of a run.
-        JsonError, RecordError: if a record or an environment is not one of a run.
+        BaselineError: if the folder has no trials, or contains an invalid file.
+        JsonError, RecordError: if a record or an environment is invalid.
     """
     path = folder / TRIALS
     content = read_file(path)
@@ -46,7 +46,9 @@ def read_folder(folder: Path) -> Baseline:
     side = Baseline(
         study=study.name,
         trial_wall_s=study.limits.trial_wall_s,
-        tolerances={one.name: one.tolerance for one in study.scenario if one.tolerance != Tolerance()},
+        tolerances={
+            scenario.name: scenario.tolerance for scenario in study.scenario if scenario.tolerance != Tolerance()
+        },
         machines=_machines(folder),
         shares=_shares(folder, records),
         trials=[record.model_copy(update={"host": None, "core": None}) for record in records],
@@ -61,7 +63,7 @@ def _trace_files(folder: Path, records: Sequence[TrialRecord]) -> dict[str, Path
 
 
 class _Kept(BaseModel):
-    """Fields of a study file that a comparison needs; ``Study`` would require that its engines are installed."""
+    """Fields of a study file that a comparison needs; ``Study`` would require the packages of its engines."""
 
     model_config = ConfigDict(extra="ignore", allow_inf_nan=False)
 
@@ -116,16 +118,16 @@ def _machines(folder: Path) -> dict[str, Machine]:
 def _shares(folder: Path, records: Sequence[TrialRecord]) -> dict[str, dict[Part, float]]:
     """Return ``Baseline.shares`` for the trials with recorded frames."""
     kept = {path.stem: path for path in (folder / "frames").glob("*.parquet")}
-    found = {}
+    by_trial = {}
     for record in records:
         path = kept.get(record.trial)
         if path is None or record.core_ms is None or record.timed_frames is None:
             continue
         try:
-            found[record.trial] = shares(read_frames(path), record.timed_frames)
+            by_trial[record.trial] = shares(read_frames(path), record.timed_frames)
         except (pa.ArrowInvalid, OSError, KeyError, TypeError, ValueError) as error:
             raise BaselineError(f"{path}: not the frames of a trial: {error}; run the trial again") from error
-    return {trial: parts for trial, parts in found.items() if parts}
+    return {trial: parts for trial, parts in by_trial.items() if parts}
 
 
 def _machine(environment: Mapping[str, Any]) -> Machine:

@@ -1,4 +1,4 @@
-"""The content of one side of a comparison, which is read from a results folder or a baseline file (``baseline``)."""
+"""The content of one side of a comparison; ``baseline`` reads a side from a results folder or a baseline file."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FORMAT: Literal["stillstack-baseline-1"] = "stillstack-baseline-1"
 
 
 class BaselineError(ValueError):
-    """An unreadable or unwritable side of a comparison; the message names the file and the fix."""
+    """A side that a comparison cannot use; the message names the problem and the fix."""
 
 
 class _Model(BaseModel):
@@ -36,7 +36,7 @@ class Engine(_Model):
 
 
 class Machine(_Model):
-    """Properties of a machine on which the comparability of results depends, without its host name."""
+    """Properties of a machine for the comparability of results; the host name is absent."""
 
     processor: str
     platform: str
@@ -51,7 +51,7 @@ class Machine(_Model):
 
     def runs_same_code(self, other: Machine) -> bool:
         """Return whether sources, Python and packages are known and equal on both machines; engines may differ."""
-        mine, its = ((one.sources, one.python, one.packages) for one in (self, other))
+        mine, its = ((machine.sources, machine.python, machine.packages) for machine in (self, other))
         return self.sources is not None and mine == its
 
 
@@ -85,27 +85,27 @@ class Baseline(_Model):
         return self
 
     def machine(self, record: TrialRecord) -> Machine | None:
-        """Return the machine of a trial; None if it is unknown."""
+        """Return the machine of a trial; None for an unknown machine."""
         return self.machines.get(record.environment)
 
     @property
     def present_machines(self) -> dict[str, Machine]:
-        """Machines of the records, by digest of the environment; without those that only have a pose hash."""
+        """Machines of the records, by digest of the environment; without machines that only have pose hashes."""
         used = {record.environment for record in self.trials}
         return {digest: machine for digest, machine in self.machines.items() if digest in used}
 
     def pose_hashes(self, record: TrialRecord) -> dict[str, str]:
-        """Return the pose hashes of a trial, by model of processor; without processors that are unknown."""
+        """Return the pose hashes of a trial, by model of processor; omit pose hashes of unknown machines."""
         kept = {digest: hashes[record.trial] for digest, hashes in self.poses.items() if record.trial in hashes}
         if record.pose_hash is not None:
             kept[record.environment] = record.pose_hash
         return {self.machines[digest].processor: value for digest, value in kept.items() if digest in self.machines}
 
     def trace(self, pose_hash: str) -> PoseTrace | None:
-        """Return the pose trace of the trials with a pose hash; None if none is kept.
+        """Return the pose trace of the trials with a pose hash; None if the side has no trace for this hash.
 
         Raises:
-            BaselineError: if the trace cannot be read.
+            BaselineError: if the trace is unreadable.
         """
         file, text = self._trace_files.get(pose_hash), self.traces.get(pose_hash)
         try:
@@ -113,10 +113,12 @@ class Baseline(_Model):
                 return read_pose_trace(file)
             return None if text is None else unpacked(text)
         except PoseTraceError as error:
-            raise BaselineError(f"{error}; create the baseline again with 'bench baseline'") from error
+            raise BaselineError(
+                f"pose hash {pose_hash}: {error}; create the baseline again with 'bench baseline'"
+            ) from error
 
     def with_trace_files(self, files: Mapping[str, Path]) -> Baseline:
-        """Return this side with files of pose traces, by pose hash, in addition to its own."""
+        """Return this side with further files of pose traces, by pose hash."""
         side = self.model_copy()
         side._trace_files = {**self._trace_files, **files}
         return side

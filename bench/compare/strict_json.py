@@ -11,14 +11,14 @@ MOST_BYTES = 2**26
 
 
 class JsonError(ValueError):
-    """A file that is not acceptable JSON; the message names the reason and the fix."""
+    """A file with unacceptable JSON; the message names the reason and the fix."""
 
 
 def read_file(path: Path) -> bytes:
     """Return the content of a file that is no larger than ``MOST_BYTES``.
 
     Raises:
-        JsonError: if the file cannot be read or is larger.
+        JsonError: if the file is unreadable or larger.
     """
     try:
         with path.open("rb") as file:

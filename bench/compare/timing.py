@@ -1,15 +1,15 @@
 """The timing gate, which judges whether a part of a frame became slower relative to a reference part of that frame.
 
-Times of two runs cannot be compared, because a shared machine may run twice as fast a minute later. The parts of one
-frame, however, run within a millisecond of each other. Therefore the ratio of two parts, as the median over the frames
-of a trial, varies by a few percent when the times vary by a factor of two.
+Times of two runs are not comparable, because a shared machine may run twice as fast a minute later. The parts of one
+frame, however, run within milliseconds of each other. Therefore the median ratio of two parts over a trial's frames
+varies by a few percent, while the times vary by a factor of two.
 
-The reference part is the part that is unchanged between base and head:
+The reference part is the part that is the same in base and head:
 
 - the core, if both sides run the same sources, for example to compare two builds of an engine;
 - else the engine's step, if the engine's version and all poses are the same, because its work was then the same.
 
-The median describes a typical frame; the median does not show rare events such as freezing.
+The median describes a typical frame. It does not show rare events such as freezing.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ def shares(rows: Sequence[FrameRow], timed_frames: int) -> dict[Part, float]:
         timed_frames: number of timed frames, which follow the first ``UNTIMED_FRAMES``.
 
     Returns:
-        The shares by part; empty for a trial without an extension or with fewer than ``_LEAST_FRAMES`` timed frames.
+        The ratios by part; empty for a trial without an extension or with fewer than ``_LEAST_FRAMES`` timed frames.
     """
     timed = rows[UNTIMED_FRAMES : UNTIMED_FRAMES + timed_frames]
     columns = [(row.engine_ms, row.readback_ms, row.core_ms) for row in timed]
@@ -112,12 +112,12 @@ def judge_times(pairs: Sequence[tuple[float, float]], least: float) -> tuple[Jud
     """
     if len(pairs) < LEAST_PAIRS:
         return "open", f"undecided: {len(pairs)} pairs of trials, {LEAST_PAIRS} are needed"
-    found = interval(pairs)
-    message = f"{found} times the base"
-    if found.low > 1 + least:
+    ratio = interval(pairs)
+    message = f"{ratio} times the base"
+    if ratio.low > 1 + least:
         return "worse", message
-    if found.high < 1 / (1 + least):
+    if ratio.high < 1 / (1 + least):
         return "better", message
-    if found.high <= 1 + least:
+    if ratio.high <= 1 + least:
         return "same", message
     return "open", f"undecided: {message}"

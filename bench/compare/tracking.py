@@ -10,7 +10,7 @@ _PERCENT = 100.0
 def tracked(side: Baseline) -> list[dict[str, str | float]]:
     """Return figures for which smaller is better: missing levels, and ratios of parts of a frame to the engine's step.
 
-    The figures contain no times in milliseconds, because times vary between CI machines.
+    The figures contain no times in milliseconds, because times vary between machines.
     """
     figures: list[dict[str, str | float]] = []
     for record in side.trials:

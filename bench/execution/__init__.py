@@ -1,1 +1,1 @@
-"""Run the trials of a study, here or on a cluster, each in its own process, and write their results."""
+"""Run the trials of a study on this machine or on a cluster, each in its own process, and write their results."""

@@ -1,4 +1,4 @@
-"""Show on a terminal how many kernels of the core the fork server has compiled; show nothing if all are cached."""
+"""Show on a terminal the number of compiled kernels of the core, while the fork server compiles the kernels."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ _POLL_S = 0.5
 class CompileBar(AbstractContextManager["CompileBar"]):
     """Progress bar that appears with the first compiled kernel; at the end, one line replaces the bar.
 
-    A thread counts the kernels in Numba's cache, because another process compiles them. Without a terminal no bar
-    appears, because the core then logs the time of the compilation.
+    A thread counts the kernels in Numba's cache, because another process compiles the kernels. Without a terminal no
+    bar appears, because the core then logs the time of the compilation.
     """
 
     def __init__(self, console: Console) -> None:

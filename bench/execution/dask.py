@@ -62,7 +62,7 @@ class Order(NamedTuple):
 
 
 class RemoteOutcome(NamedTuple):
-    """Outcome of a trial, with the environment of the worker that ran it."""
+    """Outcome of a trial, with the environment of the worker that ran the trial."""
 
     outcome: Outcome
     environment: Mapping[str, Any]
@@ -194,6 +194,6 @@ def _prepare(engines: tuple[str, ...], core_policies: tuple[str, ...]) -> None:
 
 
 def _stop(run: str) -> None:
-    """End the trials of an abandoned run that this worker still runs."""
+    """End this worker's running trials of an abandoned run."""
     for one in list(_at_work.get(run, ())):
         one.stop()

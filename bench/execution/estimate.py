@@ -1,4 +1,4 @@
-"""Estimate the duration of a plan from earlier trials, here or published, scaled to this machine.
+"""Estimate the duration of a plan on this machine, from earlier trials in results folders and published folders.
 
 The estimate scales each earlier wall time by a ratio: the time of a fixed calculation (``bench.machine.calibration``)
 on this machine now, divided by the time of the same calculation before and after the earlier trial. The estimate is the
@@ -6,9 +6,14 @@ median of the scaled wall times over the first of these sets that is not empty:
 
 1. records of the same trial;
 2. trials with the same engine, profile, scene and policy: other seeds, or an earlier version of the engine;
-3. trials with the same engine and scene: first trials with the same use of the stability core (used or not), then all;
-4. trials of other scenes, by their wall time per level and simulated second: first trials with the same engine, profile
-   and use of the stability core, then with the same engine and use, then with the same use, then all.
+3. trials with the same engine, scene and use of the stability core (used or not);
+4. trials with the same engine and scene;
+5. trials with the same engine, profile and use of the stability core;
+6. trials with the same engine and use of the stability core;
+7. trials with the same use of the stability core;
+8. all trials.
+
+For sets 5 to 8, the estimate uses the wall time per level and simulated second.
 """
 
 from __future__ import annotations
@@ -133,7 +138,7 @@ class _Known:
                     self._rates[rate_key(trial)].append(scale * trial.wall_s / trial.level_s)
 
     def wall_s(self, trial: Trial) -> tuple[float, Source] | None:
-        """Return the estimated wall time [s] of a trial and its source; None if no earlier trial is known."""
+        """Return the estimated wall time [s] of a trial and its source; None without a suitable earlier trial."""
         for index, key in enumerate(_KEYS):
             if times := self._times.get(key(trial)):
                 return statistics.median(times), "similar" if index else "same"

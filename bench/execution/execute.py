@@ -32,7 +32,7 @@ def outcomes_here(
 ) -> Iterator[Outcome]:
     """Run ``jobs`` of the ``trials`` at a time and yield their outcomes; an interruption ends all running trials.
 
-    A viewer of Rerun at the address ``viewer``, if any, shows the running trials.
+    The viewer of Rerun at the address ``viewer`` shows the running trials; None means that there is no viewer.
     """
     core_policies = _core_policies(study)
     try:

@@ -42,8 +42,8 @@ class PastTrial(NamedTuple):
 def past_trials(folder: Path) -> list[PastTrial]:
     """Return the readable trials of a folder with a known wall time.
 
-    The result is empty for a published folder whose environment file marks the times as disturbed. A trial that the
-    engine does not support and that has no wall time counts with a wall time of 0.
+    The result is empty for a published folder whose environment file marks the times as disturbed. An unsupported trial
+    without a wall time counts with a wall time of 0 s.
     """
     if not ResultsFolder(folder).environment.get("timed", True):
         return []  # its trials disturbed each other's times

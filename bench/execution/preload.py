@@ -1,8 +1,8 @@
-"""The last module that the fork server imports; this module imports the modules that all trials need.
+"""The module that the fork server imports last, to load the modules for all trials.
 
-The module registers the engines outside this repository, because a trial inherits the registry of the server. It
-excludes the loaded objects from garbage collection, because the first collection in each trial would touch, and thereby
-copy, the memory that all trials share.
+The module registers the engines outside this repository, because a trial inherits the registry of the server. It also
+excludes the loaded objects from garbage collection. Otherwise the first collection in each trial would touch, and
+thereby copy, the memory that all trials share.
 """
 
 import email.parser  # noqa: F401 - importlib.metadata loads it to read an engine's version

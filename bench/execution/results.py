@@ -42,10 +42,10 @@ class ResultsError(ValueError):
 
 
 def check_folder(folder: Path) -> None:
-    """Check that a folder exists or can be created, and can be written.
+    """Check that this process can write into a folder, or can create the folder.
 
     Raises:
-        ResultsError: if the folder cannot be created or written.
+        ResultsError: if this process cannot create the folder, or cannot write into the folder.
     """
     nearest = next(parent for parent in (folder, *folder.absolute().parents) if parent.exists())
     if not nearest.is_dir():
@@ -55,7 +55,7 @@ def check_folder(folder: Path) -> None:
 
 
 def changes(folder: Path, study: Study, environment: Mapping[str, Any]) -> list[str]:
-    """Return the names of the properties in which this run differs from the run that wrote ``folder``.
+    """Return the names of the properties that differ between this run and the earlier run in ``folder``.
 
     The list is empty if the folder has no trials.
     """
@@ -72,9 +72,9 @@ def changes(folder: Path, study: Study, environment: Mapping[str, Any]) -> list[
 
 
 def missing_trials(folder: Path, records: Sequence[TrialRecord]) -> list[str]:
-    """Return the ids of planned trials without a record; empty if the study in the folder cannot be loaded.
+    """Return the ids of planned trials without a record; empty if the study in the folder does not load.
 
-    A report is possible even if the study cannot be loaded, for example because an engine is not installed.
+    A report is possible even if the study does not load, for example because an engine's package is missing.
     """
     try:
         study = load_study(str(folder / STUDY))
@@ -95,7 +95,7 @@ class Results:
         fresh: bool = False,
         accept_changes: bool = False,
     ) -> None:
-        """Create the folder, or continue with the trials in it.
+        """Create the folder, or continue with the trials in the folder.
 
         Args:
             folder: the results folder.
@@ -106,8 +106,8 @@ class Results:
                 environment.
 
         Raises:
-            ResultsError: if the folder cannot be written, another run uses it, or its trials belong to another study
-                or environment and ``accept_changes`` is False.
+            ResultsError: if this process cannot write into the folder; if another run uses the folder; or, without
+                ``accept_changes``, if the trials in the folder belong to another study or environment.
         """
         check_folder(folder)
         folder.mkdir(parents=True, exist_ok=True)

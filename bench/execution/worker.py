@@ -1,7 +1,7 @@
 """Run one trial in a new process, so that an engine's crash ends this trial only.
 
-The fork server (``forkserver``) forks the process. Therefore a trial starts in tens of milliseconds, shares no state
-with other trials, and runs the code that was on disk when the server started.
+The fork server (``forkserver``) forks the process. Therefore a trial starts in tens of milliseconds, and shares no
+state with other trials. It runs the code that was on disk when the server started.
 """
 
 from __future__ import annotations
@@ -139,9 +139,9 @@ class IsolatedTrial:
     def stop(self) -> None:
         """End the process without an outcome.
 
-        This method kills the process instead of cancelling its future, because a result that arrives at the same moment
-        would break the thread that waits for it. The method cancels the future only if the process has not yet reported
-        its process id, because no result can arrive earlier.
+        This method kills the process, and does not cancel its future. A result that arrives during the cancellation
+        would break the thread that waits for the result. The method cancels the future only if the process has not yet
+        reported its process id, because no result can arrive earlier.
         """
         if self._pid is None:
             self.future.cancel()  # type: ignore[no-untyped-call]
@@ -226,7 +226,7 @@ def _ending(exitcode: int | None) -> str:
 
 
 def _last_words(log: Path) -> str:
-    """Return the last line "Fatal Python error" that a crashed process printed; else the last line of its output."""
+    """Return the last line "Fatal Python error" that a crashed process printed; else the last line of the output."""
     try:
         with log.open("rb") as file:
             file.seek(max(0, log.stat().st_size - _TAIL))

@@ -1,4 +1,4 @@
-"""The first version with a new value of a figure, by bisection: about log2(n) of n versions run."""
+"""The first version with a new value of a figure, by a bisection that runs about log2(n) of n versions."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class FirstNew:
 
 
 def first_new(count: int, value: Callable[[int], float | None], kind: Kind) -> FirstNew:
-    """Return the versions between which a figure takes its new value, if it changes once from the first to the last.
+    """Return the versions between which a figure takes its new value, if the figure changes once over all versions.
 
     A version is new if its value is nearer to the last version's value than to the first version's value, on the scale
     of ``kind``. The function skips a version without a value, and tests a neighbour instead.
@@ -35,7 +35,7 @@ def first_new(count: int, value: Callable[[int], float | None], kind: Kind) -> F
         kind: kind of the figure.
 
     Raises:
-        BisectionError: if an end has no value, or the ends do not differ by a step.
+        BisectionError: if the first or last version has no value, or their values do not differ by a step.
     """
     scale = SCALES[kind]
     ends = [value(index) for index in (0, count - 1)]

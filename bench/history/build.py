@@ -59,7 +59,7 @@ def build_history(
 
 
 def steps_of(history: History, explanations: Sequence[Explanation] = ()) -> list[Step]:
-    """Return the steps of all figures, by version, each with its explanation if there is one."""
+    """Return the steps of all figures, by version; a step has its explanation from ``explanations``, if any."""
     versions = [point.version for point in history.points]
     steps = [step for series in history.series for step in _of_series(series, versions, explanations)]
     return sorted(steps, key=lambda step: versions.index(step.version))
@@ -69,7 +69,7 @@ def read_explanations(path: Path) -> list[Explanation]:
     """Return the quoted lines of changelogs in the tables ``[[explanation]]`` of a TOML file.
 
     Raises:
-        HistoryError: if the file cannot be read, or a table is invalid.
+        HistoryError: if the file is unreadable, or a table is invalid.
     """
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))

@@ -53,17 +53,17 @@ def measure_release(
     *,
     keep: bool,
 ) -> None:
-    """Run the study with one release of an engine, unless the folder has its results.
+    """Run the study with one release of an engine, unless the folder has the results of this release.
 
     Args:
         engine: name of the engine.
-        package: its package on the registry.
+        package: package of the engine on the registry.
         version: release of the package.
         suite: folder of a checkout of the suite, which runs every release.
         study: file of the study.
         out: folder of the history.
         console: console that shows the start of each slow step.
-        keep: False to remove the environment afterwards, if the function created it.
+        keep: False to remove the environment afterwards, if the function created the environment.
     """
 
     def run(folder: Path) -> None:
@@ -93,7 +93,7 @@ def read_measured(version: str, out: Path) -> Measured:
     """Return the figures of a finished version.
 
     Raises:
-        RecordError: if its records cannot be read.
+        RecordError: if the records of the version are unreadable.
     """
     folder = out / VERSIONS / version
     message = json.loads((folder / _DONE).read_text(encoding="utf-8"))["message"]
@@ -137,7 +137,7 @@ def write_study(study: Study, out: Path) -> Path:
 
 
 def _measure(version: str, out: Path, run: Callable[[Path], None], console: Console) -> None:
-    """Run the study with a version into its folder, and record its end or the reason for its failure."""
+    """Run the study with a version, and record the end of the run or the reason for its failure."""
     folder = (out / VERSIONS / version).resolve()
     if (folder / _DONE).exists():
         return

@@ -14,16 +14,16 @@ _RANGE = ".."
 
 
 class VersionsError(ValueError):
-    """Versions that cannot be listed; the message names the fix."""
+    """A failure to list versions; the message names the fix."""
 
 
 def released(package: str, wanted: str) -> list[str]:
-    """Return the releases of a package that have a wheel for this machine, in rising order.
+    """Return the releases for which a package has a wheel for this machine, in rising order.
 
     Args:
         package: name of the package.
-        wanted: ``all``; a range ``3.0..4.0``, whose upper end includes releases such as 4.0.1 and may be missing; or
-            releases separated by commas, which need not have a wheel.
+        wanted: ``all``, a range ``3.0..4.0``, or a list ``3.3.0,4.0.0``. The upper end of a range includes releases
+            such as 4.0.1, and need not be a release. The releases of a list need not have a wheel.
 
     Raises:
         CheckoutError: if the query of the registry fails.
@@ -38,7 +38,7 @@ def released(package: str, wanted: str) -> list[str]:
 
 
 def within(versions: Sequence[Version], wanted: str) -> list[Version]:
-    """Return the versions of a range, or all versions; the upper end includes versions that begin with it.
+    """Return the versions of a range, or all versions; a range to 4.0 includes versions such as 4.0.1.
 
     Raises:
         VersionsError: if ``wanted`` is malformed, or no version is in the range.
@@ -64,10 +64,10 @@ def within(versions: Sequence[Version], wanted: str) -> list[Version]:
 
 
 def commits(wanted: str) -> list[str]:
-    """Return the short names of the suite's commits from A to B, both included, along first parents, oldest first.
+    """Return the short names of the suite's commits from A to B along first parents, with A and B, oldest first.
 
     Raises:
-        CheckoutError: if git does not know an end.
+        CheckoutError: if git does not know A or B.
         VersionsError: if ``wanted`` is not ``A..B``, or contains no commit after A.
     """
     low, separator, high = wanted.partition(_RANGE)
@@ -84,7 +84,7 @@ def kept_records(wanted: str) -> list[tuple[str, bytes]]:
     """Return name and content of each version of a baseline file on a branch, oldest commit first.
 
     Args:
-        wanted: ``BRANCH:PATH``.
+        wanted: the branch and the file, as ``BRANCH:PATH``.
 
     Raises:
         CheckoutError: if git does not know the branch.
@@ -92,7 +92,9 @@ def kept_records(wanted: str) -> list[tuple[str, bytes]]:
     """
     branch, separator, path = wanted.partition(":")
     if not (branch and separator and path):
-        raise VersionsError(f"--records must be BRANCH:PATH, such as records:stacking.json, got {wanted!r}: correct it")
+        raise VersionsError(
+            f"--records must be BRANCH:PATH, such as records:stacking.json, got {wanted!r}: give a branch and a path"
+        )
     log = ["git", "log", "--first-parent", "--reverse", "--format=%H %cs", "--diff-filter=AM", branch, "--", path]
     lines = [line.split() for line in call(branch, log, ROOT).splitlines()]
     if not lines:

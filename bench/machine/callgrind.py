@@ -1,8 +1,9 @@
 """Exact counts of instructions under Valgrind's tool Callgrind, where the processor shows no counter.
 
-Valgrind translates all code, compiled kernels too, and counts what it executes. A program runs about fifty times slower
-in it, but counts repeat within 0.1 %, also on a machine that runs other work. A program controls the counter by client
-requests: instructions without effect that Valgrind recognises (``valgrind.h``, whose requests are stable).
+Valgrind translates all code, also compiled kernels, and counts the instructions that it executes. A program runs about
+fifty times slower in Valgrind, but counts repeat within 0.1 %, also on a machine that runs other work. A program
+controls the counter by client requests: Valgrind recognises a sequence of instructions that has no other effect. The
+requests in ``valgrind.h`` are stable.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ CPU = {"NUMBA_CPU_NAME": "x86-64-v3", "NUMBA_CPU_FEATURES": ""}
 
 
 def obstacle() -> str | None:
-    """Return the reason for which Callgrind cannot count here; None if it can."""
+    """Return the reason why Callgrind cannot count on this machine; None without a reason."""
     if platform.machine().lower() not in ("x86_64", "amd64"):
         return f"Callgrind is controlled on x86-64 only, and this is {platform.machine()}"
     return None if shutil.which("valgrind") else "Valgrind is not installed (apt-get install valgrind)"
@@ -48,7 +49,7 @@ def command_under_callgrind(command: Sequence[str], file: Path) -> tuple[list[st
 
     Args:
         command: the program and its arguments.
-        file: path of the files of counts, of which the names end with a number.
+        file: path of the files of counts. Callgrind appends a number to the path of each file.
     """
     tool = ["valgrind", "--quiet", "--tool=callgrind", "--instr-atstart=no", f"--callgrind-out-file={file}"]
     steady = {"PYTHONHASHSEED": "0", "OPENBLAS_NUM_THREADS": "1", _FILE: str(file)}
@@ -56,13 +57,13 @@ def command_under_callgrind(command: Sequence[str], file: Path) -> tuple[list[st
 
 
 class CallgrindCounter:
-    """Counter of the instructions of an act, in a program that runs under Callgrind."""
+    """Counter of the instructions of a function call, in a program that runs under Callgrind."""
 
     def __init__(self) -> None:
-        """Start to count.
+        """Start the counter.
 
         Raises:
-            OSError: if the program does not run under Callgrind as ``command_under_callgrind`` starts it.
+            OSError: if ``command_under_callgrind`` did not start the program, or Valgrind does not answer.
         """
         if obstacle() is not None or _FILE not in os.environ:
             raise OSError(
@@ -84,7 +85,7 @@ class CallgrindCounter:
         self._overhead = self.count(lambda: None)
 
     def count(self, act: Callable[[], object]) -> int:
-        """Return the number of instructions of an act, without those of counting."""
+        """Return the number of instructions of a call of ``act``, without the instructions for the count itself."""
         self._request(_ZERO)
         act()
         self._request(_DUMP)

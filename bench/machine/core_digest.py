@@ -1,10 +1,10 @@
-"""A digest of the core's code without its prose, which identifies the core that made a published page.
+"""A digest of the core's code without prose, to identify the core of a published page.
 
 The digest covers the syntax trees of all Python files of ``stability_core`` except its ports to engines, sorted by
-name. Results do not depend on the ports, because a port decides nothing. The digest ignores docstrings, other
-stand-alone strings, comments, layout and the wording of messages, so that an edit of prose does not change the digest.
-A string with a space counts as a message; keys and names have no spaces. Any other edit changes the digest, even an
-edit without effect on results, such as a renamed variable.
+name. The digest leaves out the ports, because a port only passes data between engine and core. The digest ignores
+docstrings, other stand-alone strings, comments, layout and the wording of messages, so that an edit of prose does not
+change the digest. A string with a space counts as a message; keys and names have no spaces. Any other edit changes the
+digest, even an edit without effect on results, such as a renamed variable.
 """
 
 from __future__ import annotations

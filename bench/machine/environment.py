@@ -70,13 +70,13 @@ def described_profiles(name: str) -> dict[str, dict[str, Any]]:
     """Return the description of each profile of an engine, by name.
 
     Raises:
-        EngineNotInstalledError: if the engine's adapter cannot be loaded, because its package is missing.
+        EngineNotInstalledError: if the engine's package is missing.
     """
     return {key: _profile(profile) for key, profile in profiles(name).items()}
 
 
 def session() -> dict[str, Any]:
-    """Return the present state of the machine, to be recorded when a run starts or continues."""
+    """Return the present state of the machine, which a run records when it starts or continues."""
     return {
         "host": platform.node(),
         "begun": datetime.now(UTC).isoformat(timespec="seconds"),

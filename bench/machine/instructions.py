@@ -88,7 +88,7 @@ def process_counter() -> InstructionCounter | None:
 
 
 def availability() -> str:
-    """Return ``COUNTED``, or the reason why this machine cannot count instructions."""
+    """Return ``COUNTED``, or the reason why this process cannot count instructions."""
     try:
         InstructionCounter().close()
     except OSError as error:

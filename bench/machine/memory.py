@@ -29,7 +29,7 @@ class PeakMemory:
 
 
 def _reset_peak() -> int | None:
-    """Reset the peak to the present size and return the peak [KiB]; return None if the system does not permit this."""
+    """Reset the peak to the present size and return the peak [KiB]; return None if the system forbids the reset."""
     try:
         _RESET.write_text(_RESET_PEAK, encoding="ascii")
     except OSError:

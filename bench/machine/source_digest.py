@@ -1,4 +1,4 @@
-"""A digest of the sources, which identifies the code and the engine settings that made a result."""
+"""A digest of the sources, to identify the code and the engine settings of a result."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 """Folder of the checkout."""
 PORTS = "ports"
-"""Folder of the core's ports to engines. A digest of the core leaves it out, because a port decides nothing."""
+"""Folder of the core's ports to engines. A digest of the core leaves out this folder, because a port only passes data
+between engine and core."""
 SUITE = tuple(
     ROOT / name for name in ("stability_core", f"stability_core/{PORTS}", "scenarios", "adapters", "reports", "bench")
 )

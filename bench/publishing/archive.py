@@ -23,10 +23,10 @@ def write_archive(folder: Path, to: Path) -> Path:
     """Write a frozen round into ``to / stillstack-results-DATE.zip``; return the path of the zip file.
 
     The archive contains the files of the round and their checksums. The archive does not compress the entries, because
-    compressed bytes depend on the version of the compressor, and most data are compressed already.
+    compressed bytes depend on the version of the compressor, and most files already contain compressed data.
 
     Raises:
-        RoundError: if there is no such round, or one of its files has changed.
+        RoundError: if the round does not exist, or a file of the round has changed.
     """
     day = read_manifest(folder)["round"]
     if differing := changes(folder):

@@ -229,8 +229,14 @@ BLOCKS: Mapping[str, tuple[str, Callable[[], str]]] = {
 """Document of each block and function that returns its content, by the name of the block."""
 
 
-def filled(document: str, block: str, content: str) -> str:
+def filled(document: str, name: str, block: str, content: str) -> str:
     """Return the text ``document`` with ``content`` between the begin and end marks of a block.
+
+    Args:
+        document: text of the document.
+        name: path of the document, for the message.
+        block: name of the block.
+        content: content of the block.
 
     Raises:
         ValueError: if the document has no marks of this block.
@@ -238,17 +244,17 @@ def filled(document: str, block: str, content: str) -> str:
     marks = re.compile(rf"(<!-- begin {block}\b[^>]*-->\n).*?(<!-- end {block} -->)", re.DOTALL)
     if not marks.search(document):
         raise ValueError(
-            f"block '{block}' is missing in the document: mark its place with <!-- begin {block} --> and <!-- end "
-            f"{block} -->"
+            f"{name}: block '{block}' is missing: mark its place with <!-- begin {block} --> and <!-- end {block} -->, "
+            "and run 'uv run python -m bench.publishing.doc_blocks'"
         )
     return marks.sub(lambda found: f"{found[1]}\n{content}\n{found[2]}", document)
 
 
 def main() -> None:
-    """Write the present content of every block into its document."""
+    """Write the present content of each block into the document of the block."""
     for block, (name, write) in BLOCKS.items():
         path = ROOT / name
-        path.write_text(filled(path.read_text(encoding="utf-8"), block, write()), encoding="utf-8")
+        path.write_text(filled(path.read_text(encoding="utf-8"), name, block, write()), encoding="utf-8")
 
 
 if __name__ == "__main__":

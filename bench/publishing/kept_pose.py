@@ -1,13 +1,13 @@
 """Measure how many planks of a falling leaning tower keep their pose on the plank below.
 
-``uv run python -m bench.publishing.kept_pose`` writes ``docs/results/equilibrium/kept_pose.md`` and a picture of each
-fall beside it.
+``uv run python -m bench.publishing.kept_pose`` writes the page ``docs/results/equilibrium/kept_pose.md``, and a picture
+of each fall beside the page.
 
 A real leaning tower turns about the edge of its lowest plank and does not break up before it hits the ground. The
-measured fall begins with the frame before the core unfreezes the tower, and ends with the first frame in which a
-falling plank touches the ground. A plank keeps its pose if, relative to the plank below, it has moved by less than half
-a thickness and turned by less than 5 degrees. The count leaves out the lowest plank, because this plank does not fall,
-and the second plank, because the tower turns on the lowest plank.
+measured fall begins with the frame before the core unfreezes the tower. It ends with the first frame in which a falling
+plank touches the ground. A plank keeps its pose relative to the plank below up to a motion of half a thickness and a
+turn of 5 degrees. The count leaves out the lowest plank, because this plank does not fall, and the second plank,
+because the tower turns on the lowest plank.
 """
 
 from __future__ import annotations

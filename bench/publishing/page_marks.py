@@ -1,8 +1,8 @@
 """Marks on published pages: the digest of the core that made a page, and a banner if the present core differs.
 
 Each page below ``docs/results`` ends with a line ``core: DIGEST``. The generator of a page writes this line together
-with the numbers, and nobody changes the line later. The banner at the top depends on that digest; ``uv run python -m
-bench.publishing --mark`` renews all banners.
+with the numbers, and no later command changes the line. The banner at the top depends on that digest; ``uv run python
+-m bench.publishing --mark`` renews all banners.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from reports.records.atomic import write_atomic
 from reports.records.folder import ENVIRONMENT, REPORT, ResultsFolder, published_rows
 
 UNKNOWN = "unknown"
-"""Text in place of the digest on a page that was made before digests were recorded and whose commit is unknown."""
+"""Text in place of the digest on a page without a recorded digest and without a known commit."""
 NOT_USED = "not used"
 """Text in place of the digest on a page of engines alone, which does not use the core."""
 _FOOTER = re.compile(rf"\n*^core: ([0-9a-f]{{12}}|{UNKNOWN}|{NOT_USED})\n*\Z", re.MULTILINE)
@@ -34,8 +34,11 @@ class MarkError(ValueError):
 def pages(folder: Path) -> Iterator[Path]:
     """Yield every published page below ``folder``, sorted by path.
 
-    Files directly in ``folder``, such as the README that lists the pages, are not published pages. Reports that were
-    built there and frozen rounds, which never change, are not published pages either.
+    Three kinds of files are no published pages:
+
+    - files directly in ``folder``, such as the README that lists the pages;
+    - reports that ``bench report`` has built in ``folder``;
+    - frozen rounds, because a round does not change.
     """
     others = {REPORT, ROUNDS.name}
     return (
@@ -98,7 +101,7 @@ def write_page(page: Path, text: str, core: str) -> None:
 
 
 def mark(page: Path, present: str | None = None) -> None:
-    """Renew the banner of a page; add the line ``core: DIGEST`` to a page without it."""
+    """Renew the banner of a page; add the line ``core: DIGEST`` to a page without this line."""
     text = page.read_text(encoding="utf-8")
     found = _FOOTER.search(text)
     core = found[1] if found else _recorded_core(page)

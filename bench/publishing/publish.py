@@ -1,10 +1,10 @@
 """``uv run python -m bench.publishing NAME [DIR]``: publish a study in ``docs/results/NAME``.
 
-Without DIR the command first runs the study, into ``results/published-NAME``, where an interrupted run continues. It
-then copies tables, figures and trials, and fills the generated blocks of the documents, so that they agree with the
-tables.
+Without DIR the command first runs the study, into ``results/published-NAME``, where an interrupted run continues. The
+command then copies tables, figures and trials. It also fills the generated blocks of the documents, so that the blocks
+agree with the tables.
 
-``uv run python -m bench.publishing --mark`` runs no study: it marks the pages that an earlier core made, and fills the
+``uv run python -m bench.publishing --mark`` runs no study. It marks the pages that an earlier core made, and fills the
 generated blocks. ``--round DATE`` freezes the published results, and ``--archive DATE`` packs a frozen round.
 """
 
@@ -66,10 +66,10 @@ def publish(name: str, folder: Path, to: Path = PUBLISHED) -> Path:
     """Copy the published part of a results folder and its report into ``to / name``; return ``to / name``.
 
     Raises:
-        UnknownNameError: if there is no publication with this name.
+        UnknownNameError: if no publication has this name.
         PublishError: if the folder contains another study, lacks trials, or comes from uncommitted sources.
-        RecordError: if the records cannot be read.
-        StillsError: if the publication has a picture that cannot be drawn.
+        RecordError: if the records are unreadable.
+        StillsError: if the renderer cannot draw the picture of the publication.
     """
     publication, records = look_up("publication", name, PUBLICATIONS), read_records(folder / TRIALS)
     _check(publication, folder, records)
@@ -95,7 +95,7 @@ def publish(name: str, folder: Path, to: Path = PUBLISHED) -> Path:
 
 
 def _write_without_times(folder: Path, page: Path) -> None:
-    """Write the tables of a report that show no times, without the verdict, which ranks set-ups by their times."""
+    """Write the tables without times; leave out the verdict, because the verdict ranks set-ups by their times."""
     tables = chain.from_iterable(tables_of(ResultsFolder(folder)).values())
     content = to_markdown([table for table in tables if table.id not in OF_TIMES])
     page.write_text(f"{content}\n{WITHOUT_TIMES}\n", encoding="utf-8")
@@ -125,7 +125,7 @@ def _check_sources(environment: Mapping[str, Any], where: str) -> None:
 
 
 def _remove_earlier(target: Path) -> None:
-    """Remove the files of earlier versions, the figure and the picture."""
+    """Remove the files that an earlier publication left: files of earlier versions, the figure and the picture."""
     for name in (*_EARLIER, FIGURE, PICTURE):
         if (target / name).is_dir():
             shutil.rmtree(target / name)

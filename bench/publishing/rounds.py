@@ -1,4 +1,4 @@
-"""Frozen rounds: dated, complete copies of the published results that never change, with the hash of each file.
+"""Frozen rounds: dated, complete and constant copies of the published results, with the hash of each file.
 
 ``uv run python -m bench.publishing --round DATE`` writes ``docs/results/rounds/DATE``; see ADR-0022.
 """
@@ -155,7 +155,7 @@ def changes(folder: Path) -> list[str]:
 
 
 def rounds_block(folder: Path = ROUNDS) -> str:
-    """Return the list of the frozen rounds, the newest first, with a link to the newest."""
+    """Return the list of the frozen rounds, the newest first, with a link to the newest round."""
     listed = [(path, read_manifest(path)) for path in rounds(folder)]
     if not listed:
         return "No round is frozen yet.\n"
@@ -195,7 +195,7 @@ def _check_day(day: str, to: Path) -> None:
 
 
 def _check_marks(source: Source) -> None:
-    """Check that the source has files, and that the mark of each page is that of its core.
+    """Check that the source has files, and that the mark of each page is of the source's core.
 
     Raises:
         RoundError: if the folder contains no committed results, or the mark of a page is missing or belongs to another

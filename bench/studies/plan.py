@@ -82,7 +82,7 @@ def next_trials(study: Study, statuses: Mapping[str, Status]) -> list[Trial]:
     """Return the next trials of each unfinished bisection, which depend on the outcomes of finished trials.
 
     Args:
-        study: a study, some of whose scenarios may have a ``bisect``.
+        study: a study, in which scenarios may have a ``bisect``.
         statuses: status of each finished trial, by its id.
     """
     following = []

@@ -21,7 +21,7 @@ class BenchPolicy:
 
 
 def _of_core(name: str) -> BenchPolicy:
-    """Return a policy of the core that switches off the engine's own sleeping."""
+    """Return a trial's policy with a policy of the core, and without the engine's own sleeping."""
     description = POLICY_SENTENCES.get(name, f"The stability core with its policy '{name}'.")
     return BenchPolicy("off", name, description)
 

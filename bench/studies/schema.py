@@ -129,7 +129,7 @@ class ChosenScenario(_Model):
 
 
 class Rule(_Model):
-    """A rule that includes or excludes trials.
+    """A condition by which a study includes or excludes trials.
 
     A rule matches a trial if every list that is not empty contains the trial's value: its engine, profile, policy or
     scenario.
@@ -287,7 +287,7 @@ def load_study(name: str) -> Study:
 
     Raises:
         UnknownNameError: if ``name`` is neither the name of a study nor ends with ``.toml``.
-        StudyError: if the file cannot be read, or is not a valid study.
+        StudyError: if the file is unreadable, or is not a valid study.
         EngineNotInstalledError: if the package of an engine of the study is missing.
     """
     if name in study_names():

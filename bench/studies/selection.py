@@ -34,7 +34,7 @@ class Selection:
 
 
 def is_file(name: str) -> bool:
-    """Return whether the suffix of a selected scenario makes it the name of a file."""
+    """Return whether a selected scenario is the name of a file, by its suffix."""
     return name.lower().endswith(OWN)
 
 
@@ -104,7 +104,7 @@ def default_part(study: Study) -> Study:
 
 
 def _watched_for(study: Study, watch_s: float) -> dict[str, Any]:
-    """Return the fields of a study that set the watch to ``watch_s`` [s] and raise the limit on wall time."""
+    """Return two changed fields of a study: a watch of ``watch_s`` [s], and limits with a longer wall time."""
     longer = max(1.0, watch_s / (study.watch_s or _USUAL_WATCH_S))
     limits = study.limits.model_dump()
     return {"watch_s": watch_s, "limits": limits | {"trial_wall_s": limits["trial_wall_s"] * longer}}

@@ -22,14 +22,14 @@ from bench.trial.stepping import PlainFrames
 from scenarios.model import World
 
 WARM_UP_FRAMES = 2
-"""Number of untimed frames at the start of each new world. Two frames are needed, because the engine builds its caches
-in the first frame, and the second frame is the first that starts from earlier contacts."""
+"""Number of untimed frames at the start of each new world. Two frames are necessary, because the engine builds its
+caches in the first frame, and the second frame is the first that starts from earlier contacts."""
 TIMED_FRAMES = 60
 """Number of timed frames, one second at 60 Hz."""
 LEAST_FRAMES = 10
 """Fewest timed frames that give a frame time."""
 MOST_WORLDS = 20
-"""Greatest number of worlds to open for one baseline. Several worlds are needed, because a tall stack falls within a
+"""Greatest number of worlds to open for one baseline. Several worlds are necessary, because a tall stack falls within a
 few frames."""
 MOST_WALL_S = 20.0
 """Wall time after which no further frame starts [s], so that a slow engine does not use up the limit of its trial."""

@@ -62,7 +62,7 @@ class Builder:
 
     @property
     def is_done(self) -> bool:
-        """True if every action has been completed."""
+        """True if no action is waiting or in progress."""
         return not (
             self._pending
             or self._manipulator.pulls
@@ -181,8 +181,8 @@ class Builder:
     def _resting_shift(self, action: Place) -> float:
         """Return the shift [m] of planned heights by which an action's bricks lie ``CLEARANCE`` above their support.
 
-        The support is a fixed box or a brick of a lower level. A brick that is planned beside the placed bricks is no
-        support, although it may overlap them horizontally by micrometres after a small motion. For a pile, the function
+        The support is a fixed box or a brick of a lower level. A brick with a planned pose beside the placed bricks is
+        no support, although small motions may let both overlap horizontally by micrometres. For a pile, the function
         ignores planned poses, because poured bricks do not rest at these poses.
         """
         _, position, quaternion = self._simulation.poses()

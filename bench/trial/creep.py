@@ -3,12 +3,13 @@
 The 95 % interval of the slope comes from Kiefer, Vogelsang and Bunzel (Econometrica 68, 2000): the variance estimator
 of Newey and West with the length of the series as bandwidth. The usual interval of a regression assumes independent
 frames. Frames are not independent, because a vibrating or oscillating brick is close to its position in the frame
-before. Therefore the usual interval would find creep in stacks that only oscillate. The estimator of this module
+before. Therefore the usual interval could find creep in stacks that only oscillate. The estimator of this module
 requires no choice of a bandwidth. The interval becomes wide if a series oscillates slowly, or if its slope is not
 steady.
 
-    t_i         times minus their mean, i = 1 ... n
-    v           sum t_i x_i / sum t_i^2                   slope of x, the position along the brick's direction of motion
+    t_i         times of the n frames minus their mean, i = 1 ... n
+    x_i         positions along the brick's direction of motion
+    v           sum t_i x_i / sum t_i^2                   slope of x_i over t_i
     S_k         sum over i <= k of t_i (x_i - mean(x) - v t_i)
     variance    (2 / n) (sum S_k^2) / (sum t_i^2)^2       S_n is zero, because residuals are orthogonal to times
     error       QUANTILE sqrt(variance)
@@ -47,7 +48,7 @@ class Creep:
 
 
 class CreepMeter:
-    """Meter of the creep of bricks, which collects the positions of the bricks after every frame."""
+    """Meter that collects the positions of bricks after every frame, and measures their creep."""
 
     def __init__(self, from_s: float) -> None:
         """Prepare to collect the positions at the ends of frames after ``from_s`` [s]."""

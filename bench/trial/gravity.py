@@ -14,7 +14,7 @@ from scenarios.model import Tilt, Vector
 
 @dataclass(slots=True)
 class TurningGravity:
-    """Executor of the tilts of a scene, which turns gravity instead of the ground."""
+    """Executor of the tilts of a scene; the class turns gravity instead of the ground."""
 
     simulation: Simulation
     notify: Callable[[Vector], None]

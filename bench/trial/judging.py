@@ -32,11 +32,11 @@ def verdict(
     Args:
         expectation: the outcome that theory demands.
         status: status with which the trial ended.
-        collapse_level: number of levels placed when the collapse was first seen; None without a collapse.
+        collapse_level: number of placed levels in the first frame of the collapse; None without a collapse.
         kind: kind of the collapse; None without a collapse.
-        collapse_s: simulated time at which the collapse was first seen [s]; None without a collapse.
+        collapse_s: simulated time of the first frame of the collapse [s]; None without a collapse.
         creeps: True if the interval of a brick's creep exceeds the creep limit.
-        is_neutral: True if the stack is in neutral balance: a rounding error moves the stack, and nothing stops the
+        is_neutral: True if the stack is in neutral balance: a rounding error moves the stack, and no force stops the
             motion.
     """
     if expectation.outcome == "study" or status == "unsupported" or (expectation.outcome == "stand" and is_neutral):

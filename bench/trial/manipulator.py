@@ -54,14 +54,14 @@ class Manipulator:
         """End of each press in progress [s], by body."""
 
     def hold(self, body: int) -> None:
-        """Hold a body, so that the extension keeps the body live and judges the bodies on top of it again."""
+        """Hold a body, so that the extension keeps the body live and judges the bodies above it again."""
         if body not in self._held:
             self._held.add(body)
             if self._listener is not None:
                 self._listener.disturb((body,))
 
     def push(self, body: int, impulse: Vector) -> None:
-        """Strike a body with an ``impulse`` [N s] and release it."""
+        """Strike a body with an ``impulse`` [N s] and release the body."""
         self._simulation.push(body, impulse)
         self._let_go(body)
 

@@ -1,12 +1,15 @@
 """Measure whether a stack stands, and how well: pure functions of planned and actual poses.
 
-A brick is in place unless one of four kinds of collapse has displaced it:
+A brick is in place unless one of four kinds of collapse has displaced the brick:
 
 - topple: the brick has tilted by more than 15 degrees from its planned orientation;
 - slide: the brick has moved horizontally by more than its thickness from its release position;
-- drop: the brick has fallen through free space. Either its support was removed, and the brick lies below its drop
-  height (see ``Plan.drop_below``); or its level has sunk by more than the brick's thickness relative to the level
-  below, and the brick overlaps neither a lower brick nor the ground by half its thickness or more;
+- drop: the brick has fallen through free space, in one of two cases:
+
+  - The brick has lost its support, and lies below its drop height (see ``Plan.drop_below``).
+  - The level of the brick has sunk by more than the brick's thickness relative to the level below. The brick overlaps
+    lower bricks and the ground by less than half its thickness.
+
 - sink: the level of the brick has sunk by more than half the brick's thickness relative to the level below.
 """
 
@@ -82,7 +85,7 @@ class Plan:
     def boxes_at(self, position: FloatArray, quaternion: FloatArray, rows: BoolArray | slice = slice(None)) -> Boxes:
         """Return the bricks of ``rows`` at the given poses.
 
-        ``position`` [m] (n, 3) and ``quaternion`` (w, x, y, z) (n, 4) are the poses of all n bricks.
+        The poses are of all n bricks: ``position`` [m], shape (n, 3), and ``quaternion`` (w, x, y, z), shape (n, 4).
         """
         shapes = None
         if self.shapes is not None:
@@ -106,7 +109,7 @@ class Faults:
 
     @property
     def kind(self) -> CollapseKind | None:
-        """Kind of the collapse: the first of topple, slide, drop and sink that occurs; None if none occurs."""
+        """Kind of the collapse: the first of topple, slide, drop and sink that occurs; None without a collapse."""
         if self.topple.any():
             return "topple"
         if self.slide.any():
@@ -128,8 +131,8 @@ def tilt(plan: Plan, quaternion: FloatArray) -> FloatArray:
 
     The tilt is the angle between the vertical and the same direction after the rotation of the brick from its planned
     orientation. A rotation about the vertical is therefore no tilt. A rotation of a round brick about its own axis is
-    no tilt either: the tilt of a cylinder or capsule is the change of the angle between its axis and the vertical, and
-    the tilt of a sphere is zero.
+    no tilt either. The tilt of a cylinder or capsule is the change of the angle between its axis and the vertical. The
+    tilt of a sphere is zero.
     """
     w, x, y, z = quaternion.T
     pw, px, py, pz = plan.quaternion.T
@@ -171,7 +174,7 @@ def relative_sink(plan: Plan, position: FloatArray) -> FloatArray:
 
 
 def faults(plan: Plan, position: FloatArray, quaternion: FloatArray) -> Faults:
-    """Return the bricks out of place, by kind of collapse."""
+    """Return the masks of the bricks out of place, by kind of collapse."""
     thickness = plan.thickness
     sunk = relative_sink(plan, position)
     return Faults(
@@ -185,9 +188,11 @@ def faults(plan: Plan, position: FloatArray, quaternion: FloatArray) -> Faults:
 def _fell_freely(plan: Plan, position: FloatArray, quaternion: FloatArray, sunk: FloatArray) -> BoolArray:
     """Return the mask of the bricks that fell through free space, shape (n,).
 
-    A brick fell freely if its level has sunk by more than ``DROP_LIMIT``, and the brick overlaps neither a lower brick
-    nor the ground by ``SINK_LIMIT`` or more. A brick that passed through a lower brick or the ground counts as
-    overlapping.
+    A brick fell freely if both conditions hold:
+
+    - The level of the brick has sunk by more than ``DROP_LIMIT``.
+    - The brick overlaps lower bricks and the ground by less than ``SINK_LIMIT``. A brick that passed through a lower
+      brick or the ground counts as overlapping.
     """
     fallen = sunk > DROP_LIMIT * plan.thickness
     if not fallen.any():

@@ -26,7 +26,7 @@ def slope_deg(position: FloatArray) -> float | None:
     """Return the angle of repose of a pile of equal bricks [deg]; None if the median radius is zero.
 
     The angle is the slope of the cone with the same median height and median radius as the pile. The function uses
-    medians, because they do not depend on single bricks that rolled away. Half of a cone's volume lies within half the
+    medians, because single bricks that rolled away hardly change a median. Half of a cone's volume lies within half the
     radius of its base, and half lies below ``HALF_BELOW`` of its height.
 
     Args:
@@ -38,7 +38,7 @@ def slope_deg(position: FloatArray) -> float | None:
 
 
 class PileMonitor:
-    """Monitor of a pile, which receives the poses after every frame. All times are simulated."""
+    """Monitor that receives the poses of a pile after every frame. All times are simulated times."""
 
     collapse = None
     """Collapse of the pile: always None, because no brick has a planned place."""
@@ -49,7 +49,7 @@ class PileMonitor:
         """Prepare to measure a pile.
 
         Args:
-            last_action_s: time at which the last brick is poured [s].
+            last_action_s: time of the last poured brick [s].
             watch_from_s: start of the measurement of sink [s], after the last brick has had time to land.
             creep_from_s: start of the measurement of creep [s], which ends with the watch.
         """
@@ -65,7 +65,7 @@ class PileMonitor:
 
     @property
     def standing(self) -> Standing | None:
-        """Measurements of the pile in the latest frame; None if no brick was poured.
+        """Measurements of the pile in the latest frame; None without poured bricks.
 
         The level is the number of poured bricks. The sink is the decrease of their mean height during the watch.
         """
@@ -83,7 +83,7 @@ class PileMonitor:
 
     @property
     def repose_deg(self) -> float | None:
-        """Angle of repose in the latest frame [deg]; None if no brick was poured, or if ``slope_deg`` returns None."""
+        """Angle of repose in the latest frame [deg]; None without poured bricks, or if ``slope_deg`` returns None."""
         return slope_deg(self._latest[1]) if self._latest is not None and len(self._latest[1]) else None
 
     @property

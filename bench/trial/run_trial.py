@@ -196,7 +196,7 @@ def _undisturbed() -> Iterator[None]:
 
 
 def _only_core() -> int | None:
-    """Return the processor core to which this process is pinned; None if it may use several cores."""
+    """Return the only processor core that this process may use; None for several cores."""
     allowed = allowed_cores()
     return min(allowed) if len(allowed) == 1 else None
 

@@ -1,4 +1,4 @@
-"""Audit sleeping: measure the time for which a brick that must move by theory keeps its pose."""
+"""Audit sleeping: measure the time for which a brick keeps its pose although theory demands a motion of the brick."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class _Watched:
 
 
 class SleepAudit:
-    """Audit of sleeping bricks, which receives the poses after every frame."""
+    """Audit that receives the poses of the bricks after every frame."""
 
     def __init__(self, must_move: Sequence[MustMove]) -> None:
         """Start to audit the bricks that must move."""
@@ -38,7 +38,7 @@ class SleepAudit:
 
     @property
     def moved_after_s(self) -> float | None:
-        """Longest time that a brick took to cover its required distance [s]; None if a brick never did."""
+        """Longest time that a brick took to cover its required distance [s]; None if a brick covered less."""
         times = [one.moved_after_s for one in self._watched]
         return None if None in times else max(time for time in times if time is not None)
 

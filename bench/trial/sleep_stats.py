@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 
 class SleepStats:
-    """Counter of the core's changes, frame by frame."""
+    """Counter of the bodies that the core freezes and unfreezes, frame by frame."""
 
     def __init__(self) -> None:
         self._live_since: dict[int, float] = {}
@@ -21,7 +21,7 @@ class SleepStats:
         """Record one frame.
 
         Args:
-            begin: start of the frame [s], at which new bodies were released.
+            begin: start of the frame [s], which is the release time of new bodies.
             end: end of the frame [s], at which the core froze and unfroze bodies.
             bodies: ids of all bodies in the world.
             frozen: ids of the bodies that the core froze in this frame.

@@ -26,7 +26,7 @@ because their falls take longer in this proportion."""
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """Measurements of a stack in the last frame in which it was intact, before the next level started."""
+    """Measurements of an intact stack, in the last frame before its collapse or before the start of the next level."""
 
     level: int
     """Highest level that stands intact with all levels below it."""
@@ -53,7 +53,7 @@ class Collapse:
 
 
 class StackMonitor:
-    """Monitor of a stack, which receives the poses after every frame. All times are simulated."""
+    """Monitor that receives the poses of a stack after every frame. All times are simulated times."""
 
     def __init__(self, creep_from_s: float, pace: float = 1.0) -> None:
         """Prepare to monitor a stack.
@@ -75,7 +75,7 @@ class StackMonitor:
 
     @property
     def is_over(self) -> bool:
-        """True if a collapse has been watched for its ``aftermath_s``."""
+        """True if the monitor has watched a collapse for its ``aftermath_s``."""
         return self.collapse is not None and self._latest_s - self.collapse.time >= self.collapse.aftermath_s
 
     @property
@@ -96,7 +96,7 @@ class StackMonitor:
             position: centres of the bricks [m], shape (n, 3), world frame; the array must not change later.
             quaternion: orientations of the bricks (w, x, y, z), shape (n, 4), world frame; the array must not change
                 later.
-            placed: time at which the last brick of each complete level was released [s], by level.
+            placed: release time of the last brick of each complete level [s], by level.
         """
         self._latest_s, self._thickness = time, plan.thickness
         self._creep.see(time, position - plan.position)

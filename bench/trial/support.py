@@ -1,4 +1,4 @@
-"""Determine the bricks that lost their support because a brick was removed, and their drop heights.
+"""Determine the bricks that lost their support by a removal or a pull, and their drop heights.
 
 A brick that sinks moves into the brick below. A brick that lost its support moves down through free space. This module
 compares planned poses instead of actual poses, so that the same bricks lose their support on every engine.
@@ -18,16 +18,18 @@ from scenarios.model import Brick
 def drop_heights(plan: Plan, position: FloatArray, taken: Brick, left: Sequence[Brick] = ()) -> FloatArray:
     """Return the heights of the centres below which bricks without their support have dropped [m], shape (n,).
 
-    The height of a brick that lost its support lies below its present centre by half its thickness, or by half the
-    increase of the free height below the brick if this increase is less than its thickness. The height is minus
-    infinity for a brick that kept its support. A brick kept its support if this free height has increased by at most
-    half the thickness of the removed brick, because placement noise causes small increases.
+    The rise of a brick is the increase of the free height below the brick. The height depends on the rise:
+
+    - A brick kept its support if its rise is at most half the thickness of the removed brick, because placement noise
+      causes small rises. The height is minus infinity.
+    - Any other brick lost its support. The height lies below the present centre by half the rise, but by at most half
+      the brick's thickness.
 
     Args:
         plan: plan of the n remaining bricks.
         position: actual centres of the bricks [m], shape (n, 3), world frame.
         taken: the removed or pulled brick at its last planned pose.
-        left: the same brick at its present pose while it is pulled; empty after its removal.
+        left: the same brick at its present pose during the pull; empty after its removal.
     """
     boxes = plan.boxes_at(plan.position, plan.quaternion)
     before = _room(boxes, Boxes.of([taken]))
@@ -43,10 +45,10 @@ def drop_heights(plan: Plan, position: FloatArray, taken: Brick, left: Sequence[
 
 
 def _room(upper: Boxes, lower: Boxes) -> FloatArray:
-    """Return the distance by which each upper box can move down until it meets a lower box [m], shape (m,).
+    """Return the distance by which each of m upper boxes can move down to the first lower box [m], shape (m,).
 
-    The distance is infinite for a box without a lower box below it. Of two overlapping boxes, the upper box is the box
-    that needs the smaller upward motion to separate them.
+    The distance is infinite for an upper box above no lower box. Of two overlapping boxes, the upper box is the box
+    that needs the smaller upward motion to end the overlap.
     """
     down, up = vertical_clearance(upper, lower), vertical_clearance(lower, upper).T
     room: FloatArray = np.where(down > up, down, np.inf).min(axis=1, initial=np.inf)

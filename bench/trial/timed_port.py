@@ -1,4 +1,4 @@
-"""Ports that measure the time or the instructions of their calls, so that the harness can subtract both.
+"""Ports that measure the time or the instructions of their calls, so that the harness can exclude the calls.
 
 The core itself reads no clock.
 """

@@ -1,4 +1,4 @@
-"""The figure of a history: a panel for each measured figure over the versions, with its steps."""
+"""The figure of a history: a panel for each series of values over the versions, with the steps of the series."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def write_history_figure(path: Path, history: History) -> None:
 
 
 def history_figure(history: History) -> Figure:
-    """Draw a panel for every figure over the versions, with a line at each step."""
+    """Draw a panel for each series of values over the versions, with a line at each step."""
     width, height = _PANEL_INCHES
     panels = max(1, len(history.series))
     figure = Figure(figsize=(width, height * panels + 0.9), layout="constrained")
@@ -49,7 +49,7 @@ def history_figure(history: History) -> Figure:
 
 
 def display(series: Series, value: float | None) -> str:
-    """Return a value in the unit in which the figure shows it."""
+    """Return a value in the unit of the panel that shows the value."""
     if value is None:
         return "-"
     factor, unit = _FACTORS.get(series.kind, (1.0, series.unit))

@@ -39,7 +39,7 @@ _SHARE_MARKS: Mapping[str, dict[str, Any]] = {
 
 
 def pairs_figure(rows: Sequence[PairRow]) -> Figure:
-    """Draw the shares of correct pairs and of each kind of error: a panel per engine and profile, a line per policy."""
+    """Draw the success rate of pairs and the rate of each error: a panel per engine and profile, a line per policy."""
     whole = [row for row in rows if row.family == ALL]
     engines = list(dict.fromkeys(row.set_up[:2] for row in whole))
     policies = ordered_policies(row.set_up.policy for row in whole)

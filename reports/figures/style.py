@@ -49,7 +49,7 @@ def for_page(svg: str, label: str, policies: Sequence[str]) -> str:
 
     Args:
         svg: the figure as SVG, from ``save``.
-        label: description of the figure for readers who cannot see it.
+        label: description of the figure for readers who cannot see the figure.
         policies: policies whose colours the page defines as variables ``--policy-NAME``.
     """
     text = svg[svg.index("<svg") :]

@@ -57,7 +57,7 @@ def _picture(report: Path, group: Group) -> Picture:
 
 
 def _first(report: Path, group: Group) -> TrialRecord:
-    """Return the first trial of a group that has a still, else the first trial."""
+    """Return the first trial with a still in a group, else the first trial."""
     drawn = (trial for trial in group.draws if still_of(report / "stills", trial).exists())
     return next(drawn, group.draws[0])
 

@@ -1,6 +1,6 @@
 """The heat map of a study: a row per set-up in the order of the ranking, a column per scene, the state in each cell.
 
-A study of many scenes also has a map by family of scenes, which fits on a screen and comes first.
+A study of many scenes also has a map by family of scenes. This map comes first, because it fits on a screen.
 """
 
 from __future__ import annotations
@@ -141,7 +141,11 @@ def _cell(states: Counter[State] | None) -> Cell:
 def _shown(states: Counter[State]) -> State:
     """Return the state that a cell of several builds shows.
 
-    The state is the most frequent error; without errors, the most frequent state that is not right; else right.
+    The function returns the first of these states that occurs:
+
+    - the most frequent error;
+    - the most frequent state that is not ``right``;
+    - ``right``.
     """
     for candidates in (MISSES, [state for state in STATES if state != "right"]):
         present = [state for state in candidates if states.get(state)]

@@ -1,4 +1,4 @@
-"""The page of a history: its figure, its steps with quoted changelogs, and its versions. One file, without scripts."""
+"""The page of a history, one file without scripts: the figure, the steps with quoted changelogs, and the versions."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def failures_table(history: History) -> Table:
 
 
 def steps_table(history: History) -> Table:
-    """Return the table of steps with the quoted lines that explain them."""
+    """Return the table of steps with the quoted lines that explain the steps."""
     series = {one.name: one for one in history.series}
     rows = tuple(
         (

@@ -1,4 +1,4 @@
-"""The caveats of a study, which its page shows first: trials that failed, were stopped, are missing or mixed."""
+"""The caveats that the page of a study shows first: failed, censored, missing and mixed trials."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ def scene_names(trials: Sequence[TrialRecord]) -> dict[str, str]:
 def title_of(trials: Iterable[TrialRecord], study: str) -> str:
     """Return the title of a study: the names of its scenes, or ``study``, the name of the study.
 
-    The scenes give the title if there are at most ``_MOST_IN_TITLE``, and all of them are users' own scenes.
+    The names form the title if all scenes are users' own scenes, and there are at most ``_MOST_IN_TITLE`` names.
     """
     names = {scene_name(trial): trial.scenario for trial in trials}
     is_own = set(names.values()) == {OWN_SCENE}

@@ -9,9 +9,9 @@ from reports.statistics.ranking import Ranking
 
 
 def first_place(ranking: Ranking, engines: Mapping[str, Any]) -> dict[str, str] | None:
-    """Return engine, profile and policy of the first place, and the description of its profile with the link to it.
+    """Return the first place: engine, profile, policy, and the description of the profile with the link to its section.
 
-    The result is None without a place, or if the environment does not describe the profile.
+    The result is None if no set-up has a place, or if the environment does not describe the profile.
     """
     if not ranking.places:
         return None

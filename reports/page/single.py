@@ -1,4 +1,4 @@
-"""The page as one file that contains all stills and replays, so that a reader can open it without a folder."""
+"""The page as one file that contains all stills and replays, so that a reader needs no other file."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def write_single(page: Path) -> Path:
         page: ``index.html`` of a report.
 
     Raises:
-        OSError: if a still or replay to which the page links cannot be read.
+        OSError: if a still or replay of the page is unreadable.
     """
     text = page.read_text(encoding="utf-8")
     text = re.sub(r'src="(stills/[^"]+)"', lambda found: f'src="{_still(page.parent / _path(found[1]))}"', text)
@@ -42,7 +42,7 @@ def write_single(page: Path) -> Path:
 
 
 def _packed_replays(report: Path, links: list[str]) -> str:
-    """Return the HTML of a player that contains the compressed replays, and one copy of the scripts that they share."""
+    """Return the HTML of a player that contains the compressed replays, and one copy of the scripts of all replays."""
     pages = {link: (report / _path(link)).read_text(encoding="utf-8") for link in links}
     scripts = {name for page in pages.values() for name in _SCRIPT.findall(page)}
     shared = {name: _deflated((report / "replays" / name).read_text(encoding="utf-8")) for name in sorted(scripts)}
@@ -55,7 +55,7 @@ def _path(link: str) -> str:
 
 
 def _still(path: Path) -> str:
-    """Return a still as a data URI, reduced to edges of at most ``_STILL_PX``."""
+    """Return a still as a data URI, reduced to edges of at most ``_STILL_PX`` pixels."""
     with Image.open(path) as still:
         still.thumbnail((_STILL_PX, _STILL_PX))
         data = io.BytesIO()

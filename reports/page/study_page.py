@@ -1,4 +1,4 @@
-"""The page of a study: one HTML file, made from raw records only, that works offline."""
+"""The page of a study: one HTML file, made from the files of a results folder, which works offline."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
 
 
 def _columns(rows: Sequence[ComparisonRow]) -> dict[int, Column]:
-    """Return the columns of the comparison that have an entry in a row, by number; the first three always have."""
+    """Return the first three columns of the comparison, and all other columns with an entry in a row, by number."""
     return {
         number: column
         for number, column in enumerate(COLUMNS)
@@ -173,7 +173,7 @@ def _environment() -> jinja2.Environment:
 
 
 def _part(name: str) -> Markup:
-    """Return the content of a template file, to be inserted into the page unchanged."""
+    """Return the content of a template file, which the page includes unchanged."""
     return Markup((_TEMPLATES / name).read_text(encoding="utf-8"))
 
 
@@ -183,7 +183,7 @@ def _study_file(folder: Path) -> str:
 
 
 def _row_data(groups: Sequence[Group], names: Mapping[str, str], study: str | None) -> dict[str, Any]:
-    """Return the data from which the page builds the command that reproduces a row, and the theory of each scene."""
+    """Return the data for the commands that reproduce the rows, and the theory of each scene."""
     return {
         "command": ["uv", "run", "-m", "bench", "run", *([study] if study is not None else [])],
         "seeds": Counter(map(_seeds, groups)).most_common(1)[0][0],
@@ -199,7 +199,7 @@ def _seeds(group: Group) -> int:
 
 
 def _sort_key(entry: Entry) -> str:
-    """Return the HTML attributes of an entry: a class if it is empty, a sort key if its text is not a number."""
+    """Return the HTML attributes of an entry: a class for an empty entry, a sort key for a text that is no number."""
     if entry.text == NOTHING:
         return Markup(' class="n"')
     if math.isnan(entry.sort) or re.fullmatch(r"[\d.]+", entry.text):
@@ -213,7 +213,7 @@ def _with_code(text: str) -> Markup:
 
 
 def _messages(row: ComparisonRow) -> list[str]:
-    """Return the distinct messages of the trials of a row, at most ``_MOST_MESSAGES``, and the number of the rest."""
+    """Return up to ``_MOST_MESSAGES`` distinct messages of a row's trials, and the number of further messages."""
     found = list(dict.fromkeys(trial.message for trial in row.group.draws if trial.message))
     more = len(found) - _MOST_MESSAGES
     return found[:_MOST_MESSAGES] + ([f"and {more} more"] if more > 0 else [])

@@ -76,7 +76,7 @@ def _wrong(one: PolicyScore) -> int:
 def _how(perfect: Sequence[PolicyScore]) -> str:
     """Return the policies in words.
 
-    If the engine alone is among the policies, return only this policy, because it is the simplest.
+    If the engine alone is among the policies, return only this policy, because the engine alone is the simplest policy.
     """
     names = [one.policy for one in perfect]
     return "alone" if ALONE in names else f"with {' or '.join(names)}"
@@ -92,8 +92,8 @@ def _holds_everything(one: PolicyScore) -> str:
 def _cost(one: PolicyScore) -> str:
     """Return a sentence with the median frame ratio of the scenes and its interval.
 
-    For an even number of scenes, the sentence gives the upper of the two middle ratios, because an interval belongs to
-    a scene.
+    For an even number of scenes, the sentence gives the upper of the two middle ratios, because only the ratio of a
+    scene has an interval.
     """
     by_value = sorted(one.frame_ratios, key=lambda estimate: estimate.value)
     ratio = by_value[len(by_value) // 2]
@@ -104,7 +104,7 @@ def _cost(one: PolicyScore) -> str:
 
 
 def _budget(scores: Sequence[PolicyScore]) -> list[str]:
-    """Return a sentence on the slowest scene, because a median of the scenes hides frames that are too slow."""
+    """Return a sentence on the slowest scene, because a median over scenes can hide frames that are too slow."""
     timed = [(one.slowest, one.policy, one.frame_ms_p99) for one in scores if one.slowest is not None]
     if not timed:
         return []

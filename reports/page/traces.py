@@ -29,7 +29,7 @@ of a logarithmic axis."""
 
 
 def traces(folder: Path, groups: Sequence[Group]) -> tuple[list[dict[str, Any]], list[str]]:
-    """Return a trace per group, and the ids of trials whose frames cannot be read.
+    """Return a trace per group, and the ids of trials whose frames are unreadable.
 
     The trace of a group shows its first trial with frame times.
 
@@ -59,8 +59,13 @@ def _trace(folder: Path, trial: TrialRecord, most: int) -> dict[str, Any]:
     """Return the trace of a trial, with times in simulated seconds.
 
     Returns:
-        Start and end [s], times at which bricks were unfrozen [s], time of the fall [s] or None, and median and worst
-        frame time of at most ``most`` bins, as ``_STEPS_A_DECADE`` times the decimal logarithm of the time in us.
+        The fields of the trace:
+
+        - start and end [s];
+        - times at which the core unfroze bricks [s];
+        - time of the fall [s], or None;
+        - median and worst frame time of at most ``most`` bins, as ``_STEPS_A_DECADE`` times the decimal logarithm of
+          the time in microseconds.
     """
     path = ResultsFolder(folder).frames_file(trial.trial)
     columns = read_columns(path, ("time_s", "frame_ms", "woken"))

@@ -13,7 +13,7 @@ FIXED_FIELDS = ("size", "position", "quaternion")
 
 
 def fixed_body(box: Mapping[str, Any]) -> Brick:
-    """Return a fixed body, with a mass of 1 kg, from the fields of ``fixed_fields``."""
+    """Return a fixed body from the fields of ``fixed_fields``; its mass of 1 kg has no effect."""
     (length, width, height), (x, y, z), (w, i, j, k) = (box[name] for name in FIXED_FIELDS)
     return Brick((length, width, height), 1.0, (x, y, z), (w, i, j, k), shape=read_shape(box.get("shape", "box")))
 

@@ -76,7 +76,7 @@ def with_creep(record: TrialRecord, recording: Recording) -> TrialRecord:
 
 
 def _watch_half_s(record: TrialRecord) -> float | None:
-    """Return the start of the last half of the watch [s]; None if the suite cannot build the scene any more."""
+    """Return the start of the last half of the watch [s]; None if this version of the suite cannot build the scene."""
     try:
         return record.simulated_s - build(record.scenario, **record.parameters).watch_s / 2
     except (ValueError, TypeError, UnknownNameError):

@@ -28,7 +28,7 @@ _MISSING = (None, "")
 
 
 def flat_columns(of_format: int = FORMAT) -> list[str]:
-    """Return the columns of a flat row: the fields of a record, with the expectation's fields in its place.
+    """Return the columns of a flat row: the fields of a record, with ``expectation`` split into its fields.
 
     Args:
         of_format: format of the records; earlier formats lack the columns that format 3 introduced.

@@ -39,7 +39,7 @@ REPORT = "report"
 
 
 class ResultsFolder:
-    """A folder with the results of a run, or with their published part."""
+    """A folder with the results of a run, or with the published part of the results."""
 
     def __init__(self, path: Path) -> None:
         """Keep the path of the folder; properties read the files on first use."""
@@ -78,7 +78,7 @@ class ResultsFolder:
         """Records of all trials, in the order of the file.
 
         Raises:
-            RecordError: if the file of trials is missing, or one of its lines is not a record.
+            RecordError: if the file of trials is missing, or a line of the file is not a record.
 
         Warns:
             RecordWarning: if an interruption made the last line incomplete; the reader skips this line.

@@ -50,7 +50,7 @@ class Series(_Model):
 
 
 class Explanation(_Model):
-    """A line of a changelog that explains a step."""
+    """A changelog line that explains a step."""
 
     version: str
     """Version in which the step is."""
@@ -97,10 +97,10 @@ class History(_Model):
 
 
 def read_history(path: Path) -> History:
-    """Read a history.
+    """Return the history in a file.
 
     Raises:
-        HistoryError: if the file cannot be read or is not a history.
+        HistoryError: if the file is unreadable, or is not a history.
     """
     try:
         return History.model_validate_json(path.read_bytes())

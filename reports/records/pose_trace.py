@@ -97,7 +97,7 @@ class PoseTracer:
         """Record one frame, unless the trace has ended.
 
         Args:
-            bodies: ids of the n bodies in the world, shape (n,); an id is never reused.
+            bodies: ids of the n bodies in the world, shape (n,); two bodies never share an id.
             position: centres of the bodies [m], shape (n, 3), world frame.
             quaternion: orientations of the bodies (w, x, y, z), shape (n, 4), world frame.
         """
@@ -214,7 +214,7 @@ def _digests(pose: FloatArray) -> npt.NDArray[np.uint16]:
 
 
 def _keys(trace: PoseTrace, covered: int) -> npt.NDArray[np.void]:
-    """Return the rows of the first ``covered`` frames as comparable records."""
+    """Return a key of each row in the first ``covered`` frames: frame, body and digest."""
     keys = np.empty(len(trace.frame), [("frame", np.int32), ("body", np.int32), ("digest", np.uint16)])
     keys["frame"], keys["body"], keys["digest"] = trace.frame, trace.body, trace.digest
     return keys[trace.frame < covered]

@@ -2,7 +2,7 @@
 
 A row gives the pose of a brick from the row's frame until the brick's next row. The resolution is 0.01 mm for positions
 and 1e-4 for components of quaternions. A motion within the dead band (0.05 mm, about 0.05 degrees) counts as rest. The
-file sorts rows by brick, then by frame, and stores columns as differences, so that a standing stack of 100 planks takes
+file sorts rows by brick, then by frame. It stores columns as differences, so that a standing stack of 100 planks takes
 about 0.1 MB.
 """
 
@@ -159,12 +159,12 @@ class Recorder:
         """Record one frame; the cost grows with the number of bodies, and is least if no body moves.
 
         Args:
-            bodies: ids of the n bodies in the world, shape (n,); an id is never reused.
+            bodies: ids of the n bodies in the world, shape (n,); two bodies never share an id.
             position: centres of the bodies [m], shape (n, 3), world frame.
             quaternion: orientations of the bodies (w, x, y, z), shape (n, 4), world frame.
             frozen: ids of the bodies that the core or the engine has frozen.
             bricks: brick of each body, by id.
-            gravity: gravity in this frame [m/s2]; None if it has not changed.
+            gravity: gravity in this frame [m/s2]; None without a change of gravity.
         """
         self._frames += 1
         if gravity is not None and math.dist(gravity, self._gravity[-1][1]) > _TURN * math.hypot(*gravity):

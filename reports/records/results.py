@@ -74,7 +74,7 @@ class Results:
         A row is valid until the next row of its body. ``docs/columns.md`` lists the columns.
 
         Raises:
-            RecordingError: if the trial was not recorded, or its recording is incomplete.
+            RecordingError: if the trial has no recording, or an incomplete recording.
         """
         recording = self._folder.recording(trial)
         position, quaternion = recording.position * LENGTH_STEP, recording.quaternion * QUATERNION_STEP

@@ -41,7 +41,8 @@ def encoded(
         colours: colours of the bricks, at most ten, for the palette of a GIF.
 
     Raises:
-        ExportError: if PyAV is not installed, or the format does not allow the suffix, the size or the frame rate.
+        ExportError: if the package of PyAV is missing, or the format does not allow the suffix, the size or the frame
+            rate.
     """
     suffix = path.suffix.lower()
     if suffix not in FORMATS:

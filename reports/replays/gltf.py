@@ -195,7 +195,7 @@ def _boxes(buffer: _Buffer) -> list[dict[str, Any]]:
 
 
 def _surface(buffer: _Buffer, shape: Shape, size: Vector, material: str) -> dict[str, Any]:
-    """Return the mesh of a shape that is no box, in metres, with the normal of each face."""
+    """Return the mesh [m] of a shape other than a box, with the normal of each face."""
     surface = surface_of(shape, size)
     corners = surface.corners[np.array(surface.triangles)]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

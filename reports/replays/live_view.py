@@ -1,6 +1,6 @@
 """A live view of a running trial in the viewer of Rerun (https://rerun.io), which shows logged 3-D data.
 
-The package ``rerun-sdk`` sends the poses and contains the viewer; the package is optional, because it takes 0.5 GB.
+The package ``rerun-sdk`` sends the poses and contains the viewer. It is optional, because it takes 0.5 GB.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def require_rerun() -> Any:
     """Return the package ``rerun``.
 
     Raises:
-        ExportError: if the package is not installed.
+        ExportError: if the package is missing.
     """
     try:
         import rerun  # an optional package
@@ -121,7 +121,7 @@ def open_viewer(port: int) -> str:
         port: port on which the viewer listens.
 
     Raises:
-        ExportError: if Rerun is not installed.
+        ExportError: if the package of Rerun is missing.
     """
     require_rerun().spawn(port=port, connect=False)
     return f"rerun+http://127.0.0.1:{port}/proxy"

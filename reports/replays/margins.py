@@ -46,7 +46,7 @@ LOAD_CLASSES, TILT_CLASSES = (1.0, 3.0, 10.0, 30.0), (2.0, 5.0, 10.0, 20.0)
 
 
 class _OverlapError(ExportError):
-    """Bricks overlap so far that their contacts are unknown."""
+    """An overlap of bricks that leaves their contacts unknown."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,11 +94,11 @@ def margins_of(recording: Recording, times: Sequence[float] | None = None) -> Ma
 
 
 def margins_beside(recordings: Sequence[Recording], times: Sequence[float] | None = None) -> list[Margins]:
-    """Return the margins of recordings that are shown side by side, in their order.
+    """Return the margins of recordings that a picture or replay shows side by side, in the order of the recordings.
 
     Args:
         recordings: recordings with masses, friction and gravity.
-        times: instants [s]; None for ``settled_times`` of each.
+        times: instants [s]; None for the ``settled_times`` of each recording.
 
     Raises:
         ExportError: if a recording has no masses, or if in all recordings and at all instants bricks overlap so far
@@ -118,7 +118,8 @@ def _margins(recording: Recording, times: Sequence[float] | None) -> tuple[Margi
     """Return the margins of a recording, and the reason if no instant has margins."""
     if recording.physics is None:
         raise ExportError(
-            "margins need a recording with masses, got one of an earlier version: run the trial again to see margins"
+            "margins need a recording with masses, got a recording of an earlier version: run the trial "
+            "again to see margins"
         )
     timeline = Timeline(recording)
     instants = list(settled_times(recording) if times is None else times)
@@ -186,7 +187,8 @@ def _at(timeline: Timeline, time: float) -> tuple[FloatArray, FloatArray]:
 def _touching(bricks: Sequence[Brick], walls: Sequence[Brick], time: float) -> list[Patch]:
     """Return the contact patches of bricks in recorded poses.
 
-    The function increases the tolerated overlap, up to ``_MOST_TOUCH``, until the overlaps of the bricks are within it.
+    The function increases the tolerated overlap, up to ``_MOST_TOUCH``, until the overlaps of the bricks are within the
+    tolerance.
     """
     tolerance = RECORDED
     while True:

@@ -1,23 +1,24 @@
-"""Measure the visible effects of frozen bricks in a recording, as figures in pixels; this is no user study.
+"""Measure the visible effects of frozen bricks in a recording, as figures in pixels, without a user study.
 
     uv run python -m reports.replays.perception DIR TRIAL [--without TRIAL] [--due SECONDS] [--kept-from SECONDS]
 
-S. Han, S.-W. Hsu, A. McNamara, J. Keyser, "Believability in simplifications of large scale physically based
-simulation", ACM Symposium on Applied Perception, 2013, asked people whether fixing the objects beneath a pile harms
-plausibility. This module asks nobody. The module measures, in pixels of a standard screen, the deviations that a viewer
-could see at all:
+Han et al. asked people whether fixed objects beneath a pile look implausible. This module measures instead, in pixels
+of a standard screen, the deviations that a viewer could see at all:
 
-- ``pop``: the greatest jump of a brick's corner where the brick freezes or unfreezes, |x(t+1) - 2 x(t) + x(t-1)|, minus
-  the jump of the same corner in the run without the extension, if given;
+- ``pop``: the greatest jump |x(t+1) - 2 x(t) + x(t-1)| of a corner x of a brick that freezes or unfreezes in frame t.
+  If there is a run without the extension, the module subtracts the jump of the same corner in that run;
 - ``hover``: the greatest gap between a frozen brick and the nearest body or ground straight below the brick;
 - ``unsupported``: brick-seconds of frozen bricks for which exact statics finds no equilibrium;
 - ``late``: the time from the instant at which the scene must fall until a brick has moved by one pixel;
-- ``kept``: the share of the bricks that move by less than their thickness in the five seconds after an instant, such as
-  the removal of the walls of ``mould``.
+- ``kept``: the share of bricks that stay within their thickness for five seconds after an instant, such as the removal
+  of the walls of ``mould``.
 
 Lengths are distances in space, as if every motion were across the view. Therefore the figures are upper bounds. A
 recording has a dead band of 0.05 mm, which limits the resolution of ``pop`` and ``hover``. A frozen brick that other
 bodies hold only at its sides counts as hovering.
+
+Source: S. Han, S.-W. Hsu, A. McNamara, J. Keyser, "Believability in simplifications of large scale physically based
+simulation", ACM Symposium on Applied Perception, 2013.
 """
 
 from __future__ import annotations
@@ -86,7 +87,7 @@ def perceive(recording: Recording, without: Recording | None = None, due_s: floa
 
     Args:
         recording: the run with the extension.
-        without: the run of the same scene without the extension; its bricks have the same ids. None without such a run.
+        without: the run of the same scene without the extension; its bricks have the same ids. None without this run.
         due_s: instant from which the stack must fall [s]; None for a stack that must stand.
     """
     timeline = Timeline(recording)

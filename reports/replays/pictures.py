@@ -140,7 +140,7 @@ def _frames(
 ) -> Iterator[Image.Image]:
     """Yield the whole picture at each time [s].
 
-    Colours by margin show the margins at ``instants`` [s]; without them, the margins at ``settled_times``.
+    Colours by margin show the margins at ``instants`` [s]; without ``instants``, the margins at ``settled_times``.
     """
     space = visible_space([trial.recording for trial in trials], _ROOM)
     if space is None:

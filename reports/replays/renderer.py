@@ -76,7 +76,7 @@ class View:
         }
 
     def _surface(self, row: int) -> dict[str, Any]:
-        """Return the surface of a brick that is no box, in its own frame [m]."""
+        """Return the surface [m] of a brick other than a box, in the frame of the brick."""
         x, y, z = self.sizes[row].tolist()
         surface = surface_of(self.shapes[row], (x, y, z))
         return {"corners": surface.corners.tolist(), "faces": surface.faces, "is_round": surface.is_round}

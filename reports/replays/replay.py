@@ -1,7 +1,7 @@
-"""A replay: a page for any browser, offline, that plays recorded trials side by side.
+"""A replay: a page that plays recorded trials side by side in a browser, offline.
 
-The page draws with three.js, which the wheel `jupyter-threejs-sage` contains. All replays of a folder share one file
-with the script of three.js, because a page opened from disk may load a classic script from its own folder, but neither
+The page draws with the library three.js, which the package ``jupyter-threejs-sage`` contains. All replays of a folder
+share one file with the script of three.js. A page from disk may load a classic script from its own folder, but neither
 modules nor data.
 """
 
@@ -50,7 +50,7 @@ class Replayed:
 
 
 def write_replay(folder: Path, name: str, trials: Sequence[Replayed], margins: Sequence[Margins] | None = None) -> Path:
-    """Write the replay ``NAME.html``, and the script that it needs, into a folder; return the path of the page.
+    """Write the replay ``NAME.html``, and the script of the page, into a folder; return the path of the page.
 
     Args:
         folder: folder of the replays, created if necessary.

@@ -1,8 +1,8 @@
 """Recordings as files of Rerun (https://rerun.io), a viewer for logged 3-D data.
 
 Each brick is an entity ``POLICY/bricks/ID`` on the timeline ``time`` (simulated seconds). Rerun shows each value until
-the next value of its entity. This agrees with a recording, where a row holds until the next row of its body. The
-package ``rerun-sdk`` writes the file and contains the viewer; the package is optional, because it takes 0.5 GB.
+the next value of its entity. A recording follows the same rule: a row holds until the next row of its body. The package
+``rerun-sdk`` writes the file and contains the viewer. It is optional, because it takes 0.5 GB.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def write_rerun(path: Path, trials: Sequence[Replayed]) -> None:
         trials: trials to show, at least one.
 
     Raises:
-        ExportError: if Rerun is not installed, or the suffix is not ``.rrd``.
+        ExportError: if the package of Rerun is missing, or the suffix is not ``.rrd``.
     """
     if path.suffix != ".rrd":
         raise ExportError(f"{path}: the suffix of a file of Rerun must be .rrd: give an output file with such a suffix")

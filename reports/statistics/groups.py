@@ -79,7 +79,7 @@ class Group:
 
     @cached_property
     def lifetimes(self) -> dict[int, Lifetime]:
-        """Lifetimes of the stacks, by seed, without trials that show nothing about the stack."""
+        """Lifetimes of the stacks, by seed; trials without a lifetime (see ``lifetime``) are absent."""
         return {trial.seed: life for trial in self.draws if (life := lifetime(trial)) is not None}
 
     @cached_property
@@ -151,6 +151,6 @@ def _ranks(names: Sequence[str]) -> dict[str, int]:
 def judged_trials(trials: Sequence[TrialRecord]) -> list[TrialRecord]:
     """Return the decided trials whose scene has a known answer.
 
-    A trial that its time limit stopped does not count as decided, because the trial was slow, not wrong.
+    A trial that its time limit stopped does not count as decided, because a slow trial is not necessarily wrong.
     """
     return [trial for trial in trials if trial.is_judged]

@@ -58,13 +58,14 @@ def paired_ratio(ratios: Sequence[float]) -> Estimate | None:
     """Return the median of paired ratios with its interval from order statistics; None for fewer than ``LEAST_RATIOS``.
 
     Each ratio lies above the true median with probability 1/2. Therefore the binomial distribution gives the
-    probability that the k-th smallest and the k-th largest ratio enclose the true median (David and Nagaraja, Order
-    Statistics, 2003, section 7.1):
+    probability that the k-th smallest and the k-th largest ratio enclose the true median:
 
         P(enclosed) = 1 - 2 P(B < k),   B ~ Binomial(n, 1/2) for n ratios
 
-    The interval is the narrowest interval with P >= 95 %. For five ratios, no interval has this P. The function returns
-    the full range, with P = 93.75 %.
+    The interval is the narrowest interval with P >= 95 %. For five ratios, no interval has this P. The function then
+    returns the full range, with P = 93.75 %.
+
+    Source: David and Nagaraja, Order Statistics, 2003, section 7.1.
 
     Args:
         ratios: ratios of pairs of times, each pair measured in one process.
@@ -85,10 +86,11 @@ def deviation(values: Sequence[float]) -> float | None:
 def success_rate(by_scene: Sequence[Sequence[bool]]) -> Estimate | None:
     """Return the success rate with its interval; None without trials.
 
-    The interval comes from a two-stage bootstrap, which draws scenes and then seeds within each scene (Davison and
-    Hinkley, Bootstrap Methods and their Application, 1997, section 3.8), because the trials of a scene are correlated.
-    With one seed per scene there is no interval. A rate of 0 or 1 has an interval of zero width, because the bootstrap
-    cannot estimate the probability of an event that never happened.
+    The interval comes from a two-stage bootstrap, because trials of one scene depend on each other. The bootstrap draws
+    scenes, and then seeds within each scene. With one seed per scene there is no interval. A rate of 0 or 1 has an
+    interval of zero width, because a bootstrap draws only outcomes that happened.
+
+    Source: Davison and Hinkley, Bootstrap Methods and their Application, 1997, section 3.8.
 
     Args:
         by_scene: successes of the seeds of each scene.

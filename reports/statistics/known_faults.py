@@ -1,6 +1,6 @@
 """Known faults of engines: public threads that may explain a row of a report.
 
-A fault flags a group of trials if a trial of the group meets both conditions:
+A known fault flags a group of trials if a trial of the group meets both conditions:
 
 - The engine, the version, the policy and the scene match the fault.
 - The trial shows a symptom of the fault.
@@ -63,7 +63,7 @@ class KnownFault(BaseModel):
             if version and not _numbers(version):
                 raise ValueError(f"a version must begin with a number, got {version!r}; write a version such as 3.10.0")
         if any("scenario" not in scene for scene in self.scenes):
-            raise ValueError('a scene needs its scenario, such as { scenario = "heavy_top", ratio = 10.0 }')
+            raise ValueError('a scene needs its scenario; write { scenario = "heavy_top", ratio = 10.0 }, for example')
         return self
 
     @property

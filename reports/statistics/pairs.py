@@ -2,7 +2,7 @@
 
 A pair counts as correct only if both outcomes are correct, because single trials reward trivial policies. A policy that
 freezes everything also holds the scene that must fall. A policy that freezes nothing may drop the scene that must
-stand. Each of these policies gets half of all trials right.
+stand. Each of these policies may get half of all trials right.
 """
 
 from __future__ import annotations
@@ -108,7 +108,7 @@ def _can_be_judged(build: Sequence[TrialRecord]) -> bool:
 
 
 def _in_order(set_ups: Collection[SetUp]) -> list[SetUp]:
-    """Return the set-ups with engines and profiles in order of appearance and policies in their usual order."""
+    """Return the sorted set-ups: engines and profiles in order of appearance, policies in their usual order."""
     engines = list(dict.fromkeys((set_up.profile, set_up.engine) for set_up in set_ups))
     policies = ordered_policies(set_up.policy for set_up in set_ups)
     return sorted(set_ups, key=lambda one: (engines.index((one.profile, one.engine)), policies.index(one.policy)))

@@ -1,8 +1,8 @@
 """The ranking of set-ups (engine, profile and policy) by correct outcomes and then by frame time.
 
 A unit is one seed of a pair of scenes, or of a scene without a partner, with a known answer. A unit of a pair is right
-only if both trials are right, so that a policy that freezes everything, or nothing, is never right. The ranking counts
-all units of the study for every set-up. A unit that a set-up did not play or decide is not right.
+only if both trials are right, so that a policy that freezes everything gets no pair right. The ranking counts all units
+of the study for every set-up. A unit that a set-up did not play or decide is not right.
 
 Reference engines are not products. Therefore they have a list of their own, and no place in the ranking.
 """
@@ -106,8 +106,12 @@ def rank(groups: Sequence[Group], references: Collection[str] = ()) -> Ranking:
         groups: the groups of a study.
         references: names of the reference engines, which have no place.
 
-    The sort keys are the number of right units (descending), then the number of wrong units, then the frame time, and
-    then the order of the groups.
+    The sort keys, in this order:
+
+    - the number of right units, in descending order;
+    - the number of wrong units;
+    - the frame time;
+    - the order of the groups.
     """
     sides = _sides(groups)
     by_set_up = grouped(groups, "key.engine", "key.profile", "key.policy")
@@ -180,7 +184,7 @@ def _place(set_up: SetUp, units: Mapping[Unit, frozenset[State]], total: int, gr
 def _creep(groups: Sequence[Group]) -> Creep | None:
     """Return the creep with the greatest ratio to its limit; None without a measured creep.
 
-    A stack without a verdict, such as one in neutral balance, may creep.
+    A stack without a verdict, such as a stack in neutral balance, may creep.
     """
     measured = [
         Creep(trial.creep_m_s, trial.creep_limit_m_s)

@@ -50,7 +50,7 @@ class PolicyScore:
     def headline(self) -> SuccessRates | None:
         """Success rates of pairs, or of trials if there are no pairs.
 
-        Pairs take precedence, because a policy that freezes everything gets half of the trials right.
+        Pairs take precedence, because a policy that freezes everything may get half of the trials right.
         """
         return self.pairs or self.trials
 

@@ -23,7 +23,7 @@ MISSES: tuple[Miss, ...] = ("false_stand", "false_collapse", "creeps", "failed")
 
 @dataclass(frozen=True, slots=True)
 class SuccessRates:
-    """Shares of correct outcomes and of each kind of error, among decided trials or pairs.
+    """Success rate and rate of each kind of error, among judged trials or pairs.
 
     A pair may have several kinds of error.
     """
@@ -49,8 +49,8 @@ def success_rates(by_scene: Sequence[Sequence[Collection[Verdict]]]) -> SuccessR
     """Return success rates with bootstrap intervals over scenes and, within scenes, over seeds.
 
     Args:
-        by_scene: for each scene (or pair of scenes) and each of its seeds, the verdict of the trial, or the verdicts of
-            both trials of the pair. A pair counts as right only if both verdicts are ``right``.
+        by_scene: for each scene (or pair of scenes) and each seed, the verdicts of the trial (or of both trials). A
+            pair counts as right only if both verdicts are ``right``.
 
     Returns:
         The success rates; None without judged trials.
@@ -64,12 +64,12 @@ def success_rates(by_scene: Sequence[Sequence[Collection[Verdict]]]) -> SuccessR
 def misses_shown(rates: Iterable[SuccessRates | None]) -> tuple[Miss, ...]:
     """Return the kinds of error that a table shows, without creep if no trial creeps.
 
-    Therefore tables of trials from before format 3 do not change, because that version did not judge creep.
+    Most trials from before format 3 have no verdict on creep, so that their tables need no column for creep.
     """
     crept = any(one is not None and one.creeps.value > 0 for one in rates)
     return tuple(miss for miss in MISSES if crept or miss != "creeps")
 
 
 def count(estimate: Estimate) -> int:
-    """Return the number of trials or pairs with an outcome, from the estimated share of this outcome."""
+    """Return the number of trials or pairs with an outcome, from the estimated rate of this outcome."""
     return round(estimate.value * estimate.n)

@@ -1,8 +1,8 @@
 """Survival statistics of the levels at which stacks fall; some of these levels are only lower bounds.
 
-The level of a stack that was completed, or stopped by its time limit, is censored, because the stack might have carried
-more levels. Censored levels have no mean. They have a survival curve, the median of this curve, and tests that account
-for censoring.
+A level counts as censored in two cases: the stack reached its full height, or the time limit stopped the trial. In both
+cases the stack might have carried more levels. Censored levels have no mean. They have a survival curve, the median of
+this curve, and tests that account for censoring.
 """
 
 from __future__ import annotations
@@ -46,9 +46,9 @@ class Lifetime:
 
 
 def lifetime(trial: TrialRecord) -> Lifetime | None:
-    """Return the lifetime of a trial's stack; None if the trial shows nothing about the stack.
+    """Return the lifetime of a trial's stack; None if the trial has no result about the stack.
 
-    A trial shows nothing if its process failed, or if the engine does not support the scene. A trial whose poses became
+    A trial has no result if its process failed, or if the engine does not support the scene. A trial whose poses became
     non-finite counts as fallen.
     """
     if trial.collapse_level is not None:
@@ -134,7 +134,7 @@ class PairedTest:
 
     @property
     def undecided(self) -> int:
-        """Number of pairs with equal levels, or with a censored level that does not decide."""
+        """Number of pairs with equal levels, or with an order that censoring leaves open."""
         return self.pairs - self.first_farther - self.second_farther
 
 
@@ -142,7 +142,7 @@ def compare_pairs(pairs: Sequence[tuple[Lifetime, Lifetime]]) -> PairedTest:
     """Return the paired Prentice-Wilcoxon test (O'Brien and Fleming, Biometrics 43, 1987), by permutation within pairs.
 
     The test pools all lifetimes and scores them by the generalised Wilcoxon scores of Peto and Peto (J. R. Statist.
-    Soc. A 135, 1972), which allow ties. With the pooled Kaplan-Meier estimate S:
+    Soc. A 135, 1972), which allow ties. S is the pooled Kaplan-Meier estimate, and S(t-) is its value just before t:
 
         score      S(t) + S(t-) - 1   if the stack fell at level t
                    S(t) - 1           if the level t is censored

@@ -61,7 +61,7 @@ class Threshold:
 
 
 def bisected_scenarios(study: Mapping[str, Any]) -> set[str]:
-    """Return the names of the scenarios with a bisected parameter in a study."""
+    """Return the names of the scenarios of a study that have a bisected parameter."""
     return {chosen["name"] for chosen in study.get("scenario", ()) if "bisect" in chosen}
 
 
@@ -124,8 +124,9 @@ def exact_limits(
 ) -> tuple[float | None, float | None]:
     """Return the limits that a bisection with exact statics finds, for both conventions for the normal of a ridge.
 
-    The first limit is for the bisector, the second is for a face normal. A limit is None if the answer is the same at
-    both ends of the search, or if statics has no answer because bricks are pushed or pulled.
+    The first limit is for the bisector, the second is for a face normal. A limit is None in two cases: the answer is
+    the same at both ends of the search, or the scene pushes or pulls bricks. Exact statics cannot judge pushed or
+    pulled bricks.
 
     Args:
         scenario: name of the scenario.

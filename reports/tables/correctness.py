@@ -1,4 +1,4 @@
-"""The table of correctness: correct outcomes of scenes that must stand, and of scenes that must fall."""
+"""The table of correctness: correct outcomes, for scenes that must stand and for scenes that must fall."""
 
 from __future__ import annotations
 

@@ -64,5 +64,5 @@ def median_rows(trials: pd.DataFrame, keys: Sequence[str], measures: Sequence[Me
 
 
 def median_text(value: float, form: str) -> str:
-    """Format a number by ``form``; a dash for NaN."""
+    """Format a number by the format specification ``form``; return a dash for NaN."""
     return NOTHING if np.isnan(value) else form.format(value)

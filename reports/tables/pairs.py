@@ -26,7 +26,7 @@ def pair_tables(rows: Sequence[PairRow]) -> list[Table]:
 
 
 def pairs_csv(rows: Sequence[PairRow]) -> str:
-    """Return the rows as CSV with every share and the ends of its interval."""
+    """Return the rows as CSV, with the success rate, the rate of each error, and the ends of their intervals."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     names = ("right", *MISSES)
@@ -97,7 +97,7 @@ def _family_cell(row: PairRow | None) -> str:
 
 
 def right_of_judged(rates: SuccessRates | None) -> str:
-    """Return the number of right over judged pairs or trials, such as ``38/46``; a dash without judged trials."""
+    """Return the ratio of right to judged pairs or trials as text, such as ``38/46``; a dash without judged trials."""
     return f"{rates.right_count}/{rates.n}" if rates is not None else NOTHING
 
 

@@ -1,4 +1,4 @@
-"""Table that compares engines, alone and with the extension, by results of several published studies."""
+"""The table that compares engines, alone and with the extension, by results of several published studies."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def _creep(records: Sequence[TrialRecord]) -> str:
 
 
 def _micrometres(speed_m_s: float) -> str:
-    """Format a speed in um/s; below ``LEAST_SHOWN`` the text gives only this bound."""
+    """Format a speed in micrometres per second; return only the bound for a speed below ``LEAST_SHOWN``."""
     speed = speed_m_s * MICRO
     return f"<{LEAST_SHOWN:g}" if 0.0 < speed < LEAST_SHOWN else f"{speed:.2g}"
 

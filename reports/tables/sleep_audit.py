@@ -1,4 +1,4 @@
-"""The table of the sleep audit: for bricks that must move, the time asleep and the time until they moved far enough."""
+"""The table of the sleep audit: for bricks that must move, the time asleep and the time to the required motion."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ NEVER = "never"
 
 
 def sleep_tables(records: Sequence[TrialRecord]) -> list[Table]:
-    """Return the table of all trials in which a brick must move, in a list, which is empty without such trials."""
+    """Return a list with the table of all trials in which a brick must move; an empty list without these trials."""
     audited = [record for record in records if _must_move(record)]
     if not any(record.asleep_s is not None for record in audited):
         return []

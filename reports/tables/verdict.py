@@ -34,7 +34,7 @@ _PERCENTILES = (5, 95)
 
 
 def sentence(ranking: Ranking, unfinished: int = 0) -> str:
-    """Return a sentence that names the cheapest set-up that is right in all units, or states that none exists.
+    """Return a sentence that names the cheapest set-up with all units right, or states that there is none.
 
     Args:
         ranking: the ranking of the study.
@@ -65,7 +65,7 @@ def name(set_up: SetUp) -> str:
 
 
 def ranking_table(ranking: Ranking, records: Sequence[TrialRecord]) -> Table:
-    """Return the ranking as a table: place, set-up, counts, costs and the reason; without rows if nothing is judged.
+    """Return the ranking as a table: place, set-up, counts, costs and the reason; no rows without judged trials.
 
     Args:
         ranking: the ranking of the study.
@@ -124,14 +124,14 @@ def _everything(ranking: Ranking) -> str:
 
 
 def _all_of(count: int, kind: str, noun: str) -> str:
-    """Return a complete set of things as text: ``the only pair``, ``both other scenes`` or ``all 9 scenes``."""
+    """Return the number and name of all members of a set, such as ``the only pair`` or ``all 9 scenes``."""
     if count == 1:
         return f"the only {kind}{noun}"
     return f"{'both' if count == 2 else f'all {count}'} {kind}{noun}s"
 
 
 def _caveat(ranking: Ranking) -> str:
-    """Return a warning if all scenes demand the same outcome, because a set-up may always give that outcome."""
+    """Return a warning if all scenes demand the same outcome, because a set-up may give that outcome for any scene."""
     if len(ranking.outcomes) != 1:
         return ""
     outcome = next(iter(ranking.outcomes))

@@ -31,7 +31,7 @@ def some(names: Sequence[str], most: int = 3) -> str:
 def number(estimate: Estimate | None, digits: int, scale: float = 1.0) -> str:
     """Format an estimate with ``digits`` decimals and its interval, such as ``0.07 [0.06, 0.09]``; a dash for None.
 
-    The text has no interval if its rounded ends are equal. ``scale`` multiplies all numbers.
+    The text omits an interval whose rounded ends are equal. ``scale`` multiplies all numbers.
     """
     if estimate is None:
         return NOTHING
@@ -47,7 +47,7 @@ def ratio_text(estimate: Estimate | None) -> str:
 
 
 def percent(estimate: Estimate | None) -> str:
-    """Format a share in percent with its interval, such as ``88 % [71, 97]``; a dash for None."""
+    """Format a ratio in percent with its interval, such as ``88 % [71, 97]``; return a dash for None."""
     if estimate is None:
         return NOTHING
     return _with_interval(estimate, 0, 100.0, " %")
@@ -81,7 +81,7 @@ def _level(level: float, highest: float) -> str:
 
 
 def troubles(group: Group) -> str:
-    """Return the counts of trials that neither completed nor collapsed as text, such as ``2 of 20 timed out``.
+    """Return as text the counts of trials that neither completed nor collapsed, such as ``2 of 20 timed out``.
 
     The text is empty if all trials completed or collapsed.
     """

@@ -49,7 +49,7 @@ def call(*arguments: str, status: int) -> str:
         (["run", "--profile", "gam"], "unknown profile of engine bullet 'gam'; did you mean 'game'?"),
         (["run", "--seeds", "0"], "greater than or equal to 1"),
         (["run", "--jobs", "0"], "greater than or equal to 1"),
-        (["run", "--jobs", "2", "--dask", "tcp://10.0.0.1:8786"], "--jobs and --dask must not be combined"),
+        (["run", "--jobs", "2", "--dask", "tcp://10.0.0.1:8786"], "--jobs and --dask exclude each other"),
         (["run", "--watch", "--dask", "tcp://10.0.0.1:8786"], "--watch applies to trials on this machine only"),
         (["run", "missing.toml"], "missing.toml: cannot be read"),
         (["report", "missing"], "trials.jsonl: cannot be read"),

@@ -215,7 +215,8 @@ def _rename_engine(content) -> None:
     [
         (
             _drop_rounds,
-            "must contain the time of each round, but does not; create the file again with --benchmark-save-data",
+            "must contain the time of each round, but does not; create the file again with 'uv run pytest "
+            "--benchmark-only --benchmark-save-data'",
         ),
         (_drop_alone, "must contain at least a second of frames with and without"),
         (
@@ -226,7 +227,7 @@ def _rename_engine(content) -> None:
         (lambda content: content.update(benchmarks=[1]), "not a complete file of pytest-benchmark"),
         (lambda content: content.update(benchmarks=1), "not a complete file of pytest-benchmark"),
         (lambda content: steered(content)[0]["stats"].update(data=[-1.0]), "benchmarks.1.stats.data.0"),
-        (_rename_engine, "have no stack in common that is timed with the extension"),
+        (_rename_engine, "must contain frame times of a common stack with the extension"),
     ],
 )
 def test_a_file_that_cannot_be_used_is_refused_with_the_reason(base, tmp_path, change, message) -> None:
