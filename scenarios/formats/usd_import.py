@@ -3,8 +3,8 @@
 - A prim with RigidBodyAPI becomes a brick. The prim must have one collider: Cube, Sphere, Capsule, Cylinder or a convex
   Mesh.
 - A collider outside rigid bodies becomes a fixed body.
-- A Plane becomes the ground. The Plane's normal must be z.
-- The import converts lengths by metersPerUnit. Masses must be in kilograms, and the up axis must be z.
+- A Plane becomes the ground. The Plane's normal must be z, and all Planes must have one height.
+- The import converts lengths by metersPerUnit and masses by kilogramsPerUnit. The up axis must be z.
 - The import leaves out visual prims, cameras and lights.
 - The import refuses joints: the error names the joint.
 """
@@ -27,7 +27,11 @@ from scenarios.planks import DENSITY, GRAVITY, MU
 from scenarios.solids import capsule, cylinder, moments_of, polyhedron, quaternion_of, sphere, volume_of
 
 SKEW = 1e-6
-"""Greatest relative difference of scales across a round shape, and greatest skew of a transform."""
+"""Greatest relative difference of scales across a round shape, greatest skew of a transform, and greatest difference of
+the ground's normal from z."""
+LEVEL = 1e-6
+"""Greatest difference of height between planes that count as one ground [m], because OpenUSD keeps some transforms in
+single precision."""
 SAME = 1e-6
 """Greatest relative difference of moments of inertia that count as those of the homogeneous shape, because OpenUSD
 keeps them in single precision."""
@@ -55,16 +59,16 @@ def read_usd(path: Path) -> Imported:
             raise ImportRefusedError(
                 f"joint '{prim.GetPath()}': a scene holds only free and fixed bodies; remove the joint"
             )
-    unit = UsdGeom.GetStageMetersPerUnit(stage)
+    unit, mass_unit = UsdGeom.GetStageMetersPerUnit(stage), UsdPhysics.GetStageKilogramsPerUnit(stage)
     rigid = [prim for prim in prims if prim.HasAPI(UsdPhysics.RigidBodyAPI)]
     colliders = [prim for prim in prims if prim.HasAPI(UsdPhysics.CollisionAPI)]
     owner = {prim: _owner(prim, rigid) for prim in colliders}
-    bricks = [_brick(body, [prim for prim in colliders if owner[prim] == body], unit) for body in rigid]
+    bricks = [_brick(body, [prim for prim in colliders if owner[prim] == body], unit, mass_unit) for body in rigid]
     if not bricks:
         raise ImportRefusedError("the file has no rigid body: apply RigidBodyAPI to each prim that may move")
     loose = [prim for prim in colliders if owner[prim] is None]
     planes = [prim for prim in loose if prim.IsA(UsdGeom.Plane)]
-    height = float(_transform(planes[0])[1][2]) * unit if planes else 0.0
+    height = _ground_height(planes, unit)
     fixed = [replace(_shape(prim, unit, 1.0), friction=_friction(prim)) for prim in loose if prim not in planes]
     friction = (_friction(planes[0]) if planes else bricks[0].friction) or 0.0
     world = World(friction, _gravity(prims, unit), tuple(_lowered(body, height) for body in fixed))
@@ -80,7 +84,33 @@ def _owner(prim: Any, rigid: Sequence[Any]) -> Any:
     return prim if prim in rigid else None
 
 
-def _brick(body: Any, colliders: Sequence[Any], unit: float) -> Brick:
+def _ground_height(planes: Sequence[Any], unit: float) -> float:
+    """Return the height [m] of the level ``planes``; 0 without planes.
+
+    Raises:
+        ImportRefusedError: if a plane is not level, or the planes have different heights.
+    """
+    from pxr import UsdGeom
+
+    heights = []
+    for plane in planes:
+        frame, origin, _ = _transform(plane)
+        normal = frame @ _turn_to(UsdGeom.Plane(plane).GetAxisAttr().Get())[:, 2]
+        if np.abs(normal - (0.0, 0.0, 1.0)).max() > SKEW:
+            raise ImportRefusedError(
+                f"plane '{plane.GetPath()}' has the normal {normal.round(6).tolist()}, but the ground of a scene is "
+                "level: turn the plane's normal to z, or replace the plane by a fixed Cube"
+            )
+        heights.append(float(origin[2]) * unit)
+        if abs(heights[-1] - heights[0]) > LEVEL:
+            raise ImportRefusedError(
+                f"planes '{planes[0].GetPath()}' and '{plane.GetPath()}' have different heights, but a scene has one "
+                "ground: replace one of the planes by a fixed Cube"
+            )
+    return heights[0] if heights else 0.0
+
+
+def _brick(body: Any, colliders: Sequence[Any], unit: float, mass_unit: float) -> Brick:
     from pxr import UsdPhysics
 
     path = body.GetPath()
@@ -91,11 +121,11 @@ def _brick(body: Any, colliders: Sequence[Any], unit: float) -> Brick:
         )
     shape = _shape(colliders[0], unit, 1.0)
     given = UsdPhysics.MassAPI(body)
-    mass = float(given.GetMassAttr().Get() or 0.0)
-    density = float(given.GetDensityAttr().Get() or 0.0) / unit**3
+    mass = float(given.GetMassAttr().Get() or 0.0) * mass_unit
+    density = float(given.GetDensityAttr().Get() or 0.0) * mass_unit / unit**3
     mass = mass or (density or DENSITY) * volume_of(shape.shape, shape.size)
     brick = replace(shape, mass=mass, friction=_friction(colliders[0]))
-    moments = np.array(given.GetDiagonalInertiaAttr().Get() or (0.0, 0.0, 0.0), np.float64) * unit**2
+    moments = np.array(given.GetDiagonalInertiaAttr().Get() or (0.0, 0.0, 0.0), np.float64) * mass_unit * unit**2
     if not moments.any() or np.abs(moments / moments_of(brick) - 1).max() <= SAME:
         return brick
     x, y, z = moments.tolist()
