@@ -76,10 +76,20 @@ def read_mujoco_file(path: Path) -> Imported:
 def _free_root(spec: Any, path: Path) -> None:
     """Give the root link of a URDF file a free joint, unless the link's name is "world".
 
-    MuJoCo makes a link with the name "world" its own world.
+    MuJoCo makes a link with the name "world" its own world. MuJoCo has free joints at this world only.
+
+    Raises:
+        ImportRefusedError: if a floating joint has another parent than "world".
     """
     spec.compiler.fusestatic = False
     tree = ET.parse(path).getroot()
+    for joint in tree.iterfind("joint[@type='floating']"):
+        parent = joint.find("parent")
+        if parent is not None and parent.get("link") != "world":
+            raise ImportRefusedError(
+                f"floating joint '{joint.get('name')}' has the parent link '{parent.get('link')}', but a free body has "
+                "no parent but the world: name the root link 'world', and make 'world' the parent of the joint"
+            )
     children = {child.get("link") for child in tree.iterfind("joint/child")}
     links = {link.get("name") for link in tree.iterfind("link")}
     for root in spec.worldbody.bodies:

@@ -149,3 +149,14 @@ def test_a_fixed_mesh_that_is_not_convex_is_split(read):
     content = read(fixed)
     assert 2 <= len(content.world.fixed) <= 8
     assert "became" in content.notes[0]
+
+
+def test_a_floating_joint_below_a_named_root_is_refused(read):
+    """MuJoCo's own message names neither the joint nor the fix."""
+    inertia = "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>"
+    box = f"<link name='box'>{inertia}<collision><geometry><box size='1 1 1'/></geometry></collision></link>"
+    joint = "<joint name='free' type='floating'><parent link='base'/><child link='box'/></joint>"
+    text = f"<robot name='r'><link name='base'/>{box}{joint}</robot>"
+    with pytest.raises(ImportRefusedError, match=r"floating joint 'free' .* name the root link 'world'"):
+        read(text, ".urdf")
+    assert len(read(text.replace("'base'", "'world'"), ".urdf").bricks) == 1
