@@ -109,11 +109,8 @@ def _budget(policy: str, slowest: SlowestScene, median_ms: float | None) -> str:
     """Return a sentence on the slowest scene of a policy, because a median over scenes can hide slow frames."""
     kept = [hertz for hertz, budget in FRAME_BUDGETS_MS.items() if slowest.frame_ms_p99 <= budget]
     judged = f"within a frame at {max(kept)} Hz" if kept else "too slow for a frame at 60 Hz"
-    middle = "" if median_ms is None else f", {milliseconds(median_ms)} ms in the median scene"
-    return (
-        f"{_who(policy)}: 99 of 100 frames take at most {milliseconds(slowest.frame_ms_p99)} ms in the slowest scene "
-        f"({slowest.scene}){middle}: {judged}."
-    )
+    middle = "" if median_ms is None else f"; {milliseconds(median_ms)} ms in the median scene"
+    return f"{_who(policy)}: {judged} ({milliseconds(slowest.frame_ms_p99)} ms in {slowest.scene}{middle})."
 
 
 def _trouble(trials: Sequence[TrialRecord]) -> list[str]:

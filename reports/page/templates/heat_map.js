@@ -67,6 +67,7 @@ for (const map of heatMaps) (() => {
 })();
 document.getElementById("families").addEventListener("input", event => {
   const form = event.currentTarget, family = event.target.value, note = form.querySelector("output"), link = document.createElement("a");
+  document.querySelectorAll(".by-family").forEach(map => { map.hidden = family !== ""; });
   document.querySelectorAll(".by-scene").forEach(details => { details.open ||= family !== ""; });
   Object.assign(link, { href: `#rows:${new URLSearchParams({ family })}`, textContent: "its numbers" });
   if (family === "") note.replaceChildren();
