@@ -62,7 +62,9 @@ class PolicyScore:
             f"{count(side)} of {side.n} that must {word}" for side, word in sides if side is not None
         )
         return (
-            f"{self.pairs.right_count} of {self.pairs.n} pairs; {sides_text}" if self.pairs is not None else sides_text
+            f"{self.pairs.right_count} of {self.pairs.n} pair{'s' * (self.pairs.n != 1)}; {sides_text}"
+            if self.pairs is not None
+            else sides_text
         )
 
 
