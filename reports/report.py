@@ -11,14 +11,15 @@ from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
 
+from reports.page.scene_names import scene_names
 from reports.page.study_page import write_page
 from reports.records.folder import ResultsFolder
 from reports.records.results import write_trials_csv
 from reports.records.trial import RecordError, TrialRecord
 from reports.replays.stacks import draw_stills, first_stacks, write_replays
-from reports.statistics.groups import groups_of
+from reports.statistics.groups import Group, groups_of
 from reports.statistics.height_cost import cost_points
-from reports.statistics.pairs import pair_rows
+from reports.statistics.pairs import pair_rows, paired_scenes
 from reports.statistics.ranking import rank
 from reports.statistics.thresholds import of_fixed_scenes
 from reports.tables.capabilities import capability_tables
@@ -29,7 +30,7 @@ from reports.tables.forces import force_tables
 from reports.tables.height_cost import height_cost_tables
 from reports.tables.known_faults import known_fault_tables
 from reports.tables.latex import table_to_latex
-from reports.tables.pairs import pair_tables
+from reports.tables.pairs import pair_tables, paired_scenes_table
 from reports.tables.piles import pile_tables
 from reports.tables.repeatability import repeat_tables
 from reports.tables.sleep_audit import sleep_tables
@@ -46,6 +47,15 @@ def _fixed(folder: ResultsFolder) -> list[TrialRecord]:
     return of_fixed_scenes(folder.records, folder.study)
 
 
+def _pair_tables(groups: Sequence[Group]) -> Sequence[Table]:
+    return pair_tables(pair_rows(groups), paired_scenes(groups))
+
+
+def _paired_scenes(records: Sequence[TrialRecord]) -> Sequence[Table]:
+    scenes = paired_scenes(groups_of(records))
+    return [paired_scenes_table(scenes, scene_names(records))] if scenes else ()
+
+
 class Section(NamedTuple):
     """Section of a report: a group of tables."""
 
@@ -57,7 +67,8 @@ class Section(NamedTuple):
 
 
 SECTIONS = (
-    Section("pairs", lambda folder: pair_tables(pair_rows(groups_of(_fixed(folder))))),
+    Section("pairs", lambda folder: _pair_tables(groups_of(_fixed(folder)))),
+    Section("paired_scenes", lambda folder: _paired_scenes(_fixed(folder)), is_printed=False),
     Section("study", lambda folder: study_tables(fixed) if (fixed := _fixed(folder)) else ()),
     Section("cost", lambda folder: cost_tables(folder.records, folder.environment)),
     Section("divisions", lambda folder: division_tables(_fixed(folder))),

@@ -18,7 +18,7 @@ from bench.publishing.doc_blocks import BLOCKS
 from reports.records.folder import ResultsFolder
 from reports.report import OF_TIMES
 from reports.statistics.groups import groups_of
-from reports.statistics.pairs import pair_rows
+from reports.statistics.pairs import pair_rows, paired_scenes
 from reports.statistics.ranking import rank
 from reports.statistics.thresholds import of_fixed_scenes
 from reports.tables.collapse_levels import collapse_level_tables
@@ -209,7 +209,7 @@ def test_the_published_tables_can_be_made_again_from_the_published_trials(name: 
     published = (PUBLISHED / name / "tables.md").read_text(encoding="utf-8")
     if not records:
         pytest.skip("all of its scenes are bisected")
-    tables = [*study_tables(records), *pair_tables(pair_rows(groups_of(records)))]
+    tables = [*study_tables(records), *pair_tables(pair_rows(groups := groups_of(records)), paired_scenes(groups))]
     if "pairs and its 95 % interval" not in published:
         trials = reports.load(PUBLISHED / name).trials
         tables = [with_plain_ratios(table, trials) if table.id == "frame_time" else table for table in tables]

@@ -31,7 +31,7 @@ def speed_figure(engines: Sequence[EngineScores]) -> Figure | None:
         (scores, score)
         for scores in engines
         for score in scores.scores
-        if score.headline is not None and score.frame_ms_p99 is not None
+        if score.headline is not None and score.slowest is not None
     ]
     if not points:
         return None
@@ -56,7 +56,7 @@ def speed_figure(engines: Sequence[EngineScores]) -> Figure | None:
         for spare in panels[len(titles) :]:
             spare.set_visible(False)
         for panel in panels[max(0, len(titles) - columns) : len(titles)]:  # the lowest panel of each column
-            panel.set_xlabel("p99 of frame time [ms]")
+            panel.set_xlabel("p99 of slowest scene [ms]")
             panel.tick_params(labelbottom=True)
         in_pairs = any(score.pairs is not None for _, score in points)
         for panel in panels[::columns]:
@@ -75,12 +75,13 @@ def _draw_budgets(axes: Axes) -> None:
 
 
 def _draw_score(axes: Axes, score: PolicyScore, colour: str, marker: str) -> None:
-    if score.headline is None or score.frame_ms_p99 is None:
+    if score.headline is None or score.slowest is None:
         return
+    time_ms = score.slowest.frame_ms_p99
     right = score.headline.right
     if right.low is not None and right.high is not None:
-        axes.vlines(score.frame_ms_p99, right.low, right.high, color=colour, alpha=0.4)
-    axes.plot(score.frame_ms_p99, right.value, marker, color=colour, markersize=7, clip_on=False)
+        axes.vlines(time_ms, right.low, right.high, color=colour, alpha=0.4)
+    axes.plot(time_ms, right.value, marker, color=colour, markersize=7, clip_on=False)
 
 
 def _speed_legend(figure: Figure, ink: Mapping[str, Ink], marker: Mapping[str, str]) -> None:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from reports.page.scene_names import OWN_SCENE
 from reports.statistics.groups import Group, grouped
 from reports.statistics.pairs import SetUp
-from reports.statistics.ranking import Ranking
+from reports.statistics.ranking import Ranking, rank
 from reports.statistics.states import STATES, State, states_of
 from reports.statistics.success_rates import MISSES
 from reports.tables.verdict import STATE_WORDS, counted
@@ -31,6 +31,8 @@ class Column:
     """Name of the scene or family in the comparison."""
     family: str
     """Name of the scenario of a scene; empty for a user's own scene, and for a family."""
+    scenario: str
+    """Name of the scenario of a scene, or of the family, by which the page filters columns."""
     rest: str
     """Name without the family; ``unvaried`` for a scene with the default parameters that is not the first column of its
     family, whose name the map shows once."""
@@ -60,6 +62,8 @@ class Row:
     right: str
     """Right units over all units, such as ``52/53``."""
     cells: tuple[Cell, ...]
+    right_in: Mapping[str, str]
+    """Right units over all units of each family alone, such as ``5/6``, by the name of the family."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +72,7 @@ class HeatMap:
 
     by: str
     """Name of the comparison's filter that selects the rows of one column of this map: ``scene`` if columns are scenes,
-    ``text`` if columns are families."""
+    ``family`` if columns are families."""
     columns: tuple[Column, ...]
     rows: tuple[Row, ...]
     right: tuple[int, ...]
@@ -86,18 +90,40 @@ def heat_maps(groups: Sequence[Group], ranking: Ranking, names: Mapping[str, str
         names: names of the scenes, by id.
     """
     scenes = grouped(groups, "key.scene")
-    by_scene = _map("scene", scenes, _scene_columns([group for (group, *_) in scenes.values()], names), ranking)
     families = grouped(groups, "scenario")
+    right_in = _right_in({name: members for (name,), members in families.items()})
+    scene_columns = _scene_columns([group for (group, *_) in scenes.values()], names)
+    by_scene = _map("scene", scenes, scene_columns, ranking, right_in)
     if len(scenes) <= MOST_SCENES or len(families) == 1:
         return [by_scene]
     columns = [
-        Column(name, "", name, False, f"{len({group.key.scene for group in members})} scenes")
+        Column(name, "", name, name, False, _scenes(len({group.key.scene for group in members})))
         for (name,), members in families.items()
     ]
-    return [_map("text", families, columns, ranking), by_scene]
+    return [_map("family", families, columns, ranking, right_in), by_scene]
 
 
-def _map(by: str, members: Mapping[tuple[str], list[Group]], columns: Sequence[Column], ranking: Ranking) -> HeatMap:
+def _scenes(number: int) -> str:
+    return f"{number} scene{'s' * (number != 1)}"
+
+
+def _right_in(families: Mapping[str, Sequence[Group]]) -> dict[SetUp, dict[str, str]]:
+    """Return right units over all units of each set-up in each family that it played, with a known answer."""
+    right: dict[SetUp, dict[str, str]] = {}
+    for name, members in families.items():
+        ranking = rank(members)
+        for place in ranking.places if ranking.units else ():
+            right.setdefault(place.set_up, {})[name] = f"{place.right}/{len(ranking.units)}"
+    return right
+
+
+def _map(
+    by: str,
+    members: Mapping[tuple[str], list[Group]],
+    columns: Sequence[Column],
+    ranking: Ranking,
+    right_in: Mapping[SetUp, Mapping[str, str]],
+) -> HeatMap:
     states: dict[tuple[SetUp, int], Counter[State]] = {}
     for number, groups in enumerate(members.values()):
         for group in groups:
@@ -107,6 +133,7 @@ def _map(by: str, members: Mapping[tuple[str], list[Group]], columns: Sequence[C
             place.set_up,
             f"{place.right}/{len(ranking.units)}",
             tuple(_cell(states.get((place.set_up, number))) for number in range(len(columns))),
+            right_in.get(place.set_up, {}),
         )
         for place in (*ranking.places, *ranking.references)
     )
@@ -124,7 +151,8 @@ def _scene_columns(groups: Sequence[Group], names: Mapping[str, str]) -> list[Co
         family = "" if group.scenario == OWN_SCENE else group.scenario
         rest = name.removeprefix(family).removeprefix("-") if family else name
         is_first = bool(family) and not any(column.family == family for column in columns[-1:])
-        columns.append(Column(name, family, rest if rest or is_first else "unvaried", is_first, str(group.expectation)))
+        rest = rest if rest or is_first else "unvaried"
+        columns.append(Column(name, family, group.scenario, rest, is_first, str(group.expectation)))
     return columns
 
 

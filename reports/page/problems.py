@@ -10,28 +10,41 @@ from reports.tables.wording import some
 
 def problems(records: Sequence[TrialRecord], missing: Sequence[str], without_frames: Sequence[str]) -> list[str]:
     """Return the caveats that the page shows first: failed, censored, missing and mixed trials."""
-    words: dict[Status, str] = {
-        "timeout": "were stopped by the time limit: their levels are lower bounds, neither right nor wrong",
-        "diverged": "diverged",
-        "crashed": "crashed the engine's process",
-        "error": "ended in an error",
-        "out_of_memory": "ran out of memory",
-        "unsupported": "were not possible on their engine",
+    words: dict[Status, tuple[str, str]] = {
+        "timeout": (
+            "was stopped by the time limit: its levels are lower bounds, neither right nor wrong",
+            "were stopped by the time limit: their levels are lower bounds, neither right nor wrong",
+        ),
+        "diverged": ("diverged", "diverged"),
+        "crashed": ("crashed the engine's process", "crashed the engine's process"),
+        "error": ("ended in an error", "ended in an error"),
+        "out_of_memory": ("ran out of memory", "ran out of memory"),
+        "unsupported": ("was not possible on its engine", "were not possible on their engines"),
     }
     ends = [record.status for record in records]
-    found = [f"{ends.count(s)} of {len(ends)} trials {text}." for s, text in words.items() if s in ends]
+    found = [
+        f"{number} of {_trials(len(ends))} {text[number > 1]}."
+        for status, text in words.items()
+        if (number := ends.count(status))
+    ]
     earlier = [one for one in records if one.mean_motion_m_s is not None and one.creep_m_s is None]
     if earlier:
-        found.append(f"{len(earlier)} trials are from before format 3: their verdicts do not consider creep.")
+        found.append(f"From before format 3, whose verdicts do not consider creep: {_trials(len(earlier))}.")
     if missing:
-        found.append(f"{len(missing)} planned trials have no record (not yet run, or interrupted): {some(missing)}.")
+        have = "planned trial has" if len(missing) == 1 else "planned trials have"
+        found.append(f"{len(missing)} {have} no record (not yet run, or interrupted): {some(missing)}.")
     if len(without_frames) == len(records) > 1:
         found.append("No trial has its frames here (published folders keep none): the page shows no traces of them.")
     elif without_frames:
-        found.append(f"Frames of {len(without_frames)} trials are missing or incomplete: {some(without_frames)}.")
+        found.append(f"Frames of {_trials(len(without_frames))} are missing or incomplete: {some(without_frames)}.")
     hosts = {record.host for record in records if record.host is not None}
     if len(hosts) > 1:
         found.append(f"Trials ran on {len(hosts)} machines: a row that mixes them shows no times.")
     if len({record.environment for record in records}) > 1:
         found.append("Trials come from several environments (commits, versions or machines): compare with care.")
     return found
+
+
+def _trials(number: int) -> str:
+    """Return a number of trials as text, such as ``1 trial`` or ``23 trials``."""
+    return f"{number} trial{'s' * (number != 1)}"

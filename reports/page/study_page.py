@@ -19,8 +19,10 @@ from reports.figures.pairs import pairs_figure
 from reports.figures.speed import speed_figure
 from reports.figures.style import for_page, save
 from reports.figures.survival import has_survival, survival_figure
+from reports.page.documents import documents
 from reports.page.gallery import shelves
 from reports.page.heat_map import heat_maps
+from reports.page.more_builds import difference_note, share_note
 from reports.page.problems import problems
 from reports.page.scene_names import scene_names, title_of
 from reports.page.set_ups import first_place, set_up_description
@@ -30,14 +32,14 @@ from reports.records.atomic import write_atomic
 from reports.records.folder import ResultsFolder
 from reports.records.trial import TrialRecord
 from reports.statistics.groups import Group, grouped, groups_of, ordered_policies
-from reports.statistics.pairs import PairRow, pair_rows
+from reports.statistics.pairs import PairRow, pair_rows, paired_scenes
 from reports.statistics.ranking import rank
 from reports.statistics.scores import EngineScores, engine_scores
 from reports.statistics.thresholds import of_fixed_scenes
 from reports.tables.capabilities import capability_table
 from reports.tables.comparison import COLUMNS, Column, ComparisonRow, Entry, comparison_rows, comparison_table
 from reports.tables.latex import pairs_to_latex, to_latex
-from reports.tables.pairs import pair_tables, pairs_csv
+from reports.tables.pairs import pair_tables, paired_scenes_table, pairs_csv
 from reports.tables.policies import POLICY_SENTENCES
 from reports.tables.table import NOTHING, to_markdown, write_table_csv
 from reports.tables.verdict import ranking_table, sentence
@@ -50,6 +52,10 @@ _MOST_MESSAGES = 3
 """Greatest number of distinct messages in one row."""
 _ROWS_SHOWN = 200
 """Number of rows of the comparison that the page shows at first, because more rows take seconds to lay out."""
+_PLACES_SHOWN = 12
+"""Number of places of the ranking that the page shows at first, because a reader takes one of the first."""
+_RUN = ("uv", "run", "-m", "bench", "run")
+"""Command that runs a study, without its arguments."""
 _SCRIPTS = ("theme.js", "comparison.js", "heat_map.js", "traces.js")
 _QUESTION = "Do the bricks stand when they should, and fall when they should?"
 """First sentence of the page of a study without a description."""
@@ -78,6 +84,7 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
     thinned, without_frames = traces(folder, groups)
     study = kept.study.get("name")
     rows, of_pairs, study_caption = comparison_rows(groups), pair_rows(groups), caption(folder, records)
+    again = shlex.join([*_RUN, _study_file(folder) if study is not None else "STUDY"])
     policies, shown = ordered_policies(group.key.policy for group in groups), _columns(rows)
     page = (
         _environment()
@@ -100,11 +107,14 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
             numbers={policy: number for number, policy in enumerate(policies)},
             problems=problems(records, missing, without_frames),
             verdicts=sentences,
-            share_note=_share_note(groups, bool(of_pairs)),
+            share_note=share_note(groups, bool(of_pairs), again),
+            difference_note=difference_note(groups, policies, again),
+            documents=documents(report),
+            ranked_rows_shown=_PLACES_SHOWN,
             set_ups={
                 (one.engine, one.profile): set_up_description(engines, one.engine, one.profile) for one in sentences
             },
-            pairs=_pairs(of_pairs, figures, policies),
+            pairs=_pairs(of_pairs, groups, names, figures, policies),
             rows=rows,
             columns=shown,
             left_out=[column for number, column in enumerate(COLUMNS) if number not in shown],
@@ -117,7 +127,7 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
             shelves=shelves(report, groups),
             engines=engines,
             capabilities=capability_table(engines) if engines else None,
-            again=shlex.join(["uv", "run", "-m", "bench", "run", _study_file(folder)]) if study is not None else None,
+            again=again if study is not None else None,
             environment=_machine(folder),
             settings=kept.environment.get("settings", {}),
         )
@@ -185,7 +195,7 @@ def _study_file(folder: Path) -> str:
 def _row_data(groups: Sequence[Group], names: Mapping[str, str], study: str | None) -> dict[str, Any]:
     """Return the data for the commands that reproduce the rows, and the theory of each scene."""
     return {
-        "command": ["uv", "run", "-m", "bench", "run", *([study] if study is not None else [])],
+        "command": [*_RUN, *([study] if study is not None else [])],
         "seeds": Counter(map(_seeds, groups)).most_common(1)[0][0],
         "scenes": {
             names[group.key.scene]: {"scenario": group.scenario, "theory": group.expectation.theory} for group in groups
@@ -222,6 +232,7 @@ def _messages(row: ComparisonRow) -> list[str]:
 def _choices(groups: Sequence[Group], names: Mapping[str, str]) -> dict[str, list[str]]:
     choices = {
         "scene": list(names.values()),
+        "family": list(dict.fromkeys(group.scenario for group in groups)),
         "engine": list(dict.fromkeys(group.key.engine for group in groups)),
         "profile": list(dict.fromkeys(group.key.profile for group in groups)),
         "policy": ordered_policies(group.key.policy for group in groups),
@@ -229,24 +240,18 @@ def _choices(groups: Sequence[Group], names: Mapping[str, str]) -> dict[str, lis
     return {**choices, "outcome": ["right", "wrong", "mixed", "open"]}
 
 
-def _share_note(groups: Sequence[Group], in_pairs: bool) -> str:
-    seeds = max(len(group.draws) for group in groups)
-    what = "pairs of stacks of which one must stand and one must fall" if in_pairs else "stacks"
-    if seeds == 1:
-        return f"Shares are of {what} with a known answer. n = 1 build of each: no intervals."
-    return (
-        f"Shares are of {what} with a known answer, and have 95 % intervals by bootstrap over "
-        f"{'pairs' if in_pairs else 'scenes'} and their seeds (up to {seeds}). A share of 0 or 100 % has an interval "
-        "of no width, because the bootstrap cannot estimate an event that never happened."
-    )
-
-
-def _pairs(rows: Sequence[PairRow], folder: Path, policies: Sequence[str]) -> dict[str, Any] | None:
-    """Return the figure and the tables of the pairs; None without pairs."""
+def _pairs(
+    rows: Sequence[PairRow], groups: Sequence[Group], names: Mapping[str, str], folder: Path, policies: Sequence[str]
+) -> dict[str, Any] | None:
+    """Return the figure and the tables of the pairs, and the table of their scenes; None without pairs."""
     if not rows:
         return None
-    svg = save(pairs_figure(rows), folder / "pairs")
-    return {"tables": pair_tables(rows), "figure": _drawing(svg, "Shares of pairs correct and not", policies)}
+    svg, scenes = save(pairs_figure(rows), folder / "pairs"), paired_scenes(groups)
+    return {
+        "tables": pair_tables(rows, scenes),
+        "scenes": paired_scenes_table(scenes, names),
+        "figure": _drawing(svg, "Shares of pairs correct and not", policies),
+    }
 
 
 def _survival(

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 from reports.records.trial import Status, TrialRecord
 from reports.statistics.groups import ALONE
-from reports.statistics.scores import FRAME_BUDGETS_MS, EngineScores, PolicyScore
+from reports.statistics.scores import FRAME_BUDGETS_MS, EngineScores, PolicyScore, SlowestScene
+from reports.tables.verdict import milliseconds
 from reports.tables.wording import percent, ratio_text
 
 
@@ -33,14 +34,15 @@ def verdicts(engines: Sequence[EngineScores]) -> list[EngineVerdict]:
 def _verdict(engine: EngineScores) -> EngineVerdict:
     scores = engine.scores
     judged = [one for one in scores if one.headline is not None]
-    sentences = []
-    for one in judged:
-        who = "Alone" if one.policy == ALONE else f"With {one.policy}"
-        sentences.append(f"{who}: {one.summary}{_holds_everything(one)}.")
+    sentences = [f"{_who(one.policy)}: {one.summary}{_holds_everything(one)}." for one in judged]
     sentences += [_cost(one) for one in scores if one.frame_ratios]
-    sentences += _budget(scores)
+    sentences += [_budget(one.policy, one.slowest, one.frame_ms_p99) for one in scores if one.slowest is not None]
     sentences += _trouble(engine.trials)
     return EngineVerdict(engine.engine, engine.profile, engine.version, _headline(judged), tuple(sentences), scores)
+
+
+def _who(policy: str) -> str:
+    return "Alone" if policy == ALONE else f"With {policy}"
 
 
 def _headline(scores: Sequence[PolicyScore]) -> str:
@@ -103,18 +105,12 @@ def _cost(one: PolicyScore) -> str:
     return f"With {one.policy} {text} ({ratio.n} pairs{of_scenes}){'' if saves else ': no certain gain of time here'}."
 
 
-def _budget(scores: Sequence[PolicyScore]) -> list[str]:
-    """Return a sentence on the slowest scene, because a median over scenes can hide frames that are too slow."""
-    timed = [(one.slowest, one.policy, one.frame_ms_p99) for one in scores if one.slowest is not None]
-    if not timed:
-        return []
-    slowest, policy, middle = max(timed)
+def _budget(policy: str, slowest: SlowestScene, median_ms: float | None) -> str:
+    """Return a sentence on the slowest scene of a policy, because a median over scenes can hide slow frames."""
     kept = [hertz for hertz, budget in FRAME_BUDGETS_MS.items() if slowest.frame_ms_p99 <= budget]
-    what = (
-        f"99 of 100 frames take at most {slowest.frame_ms_p99:.2f} ms in the slowest scene ({slowest.scene}, "
-        f"{policy}), {middle:.2f} ms in the median scene of this policy"
-    )
-    return [f"{what}: within a frame at {max(kept)} Hz." if kept else f"{what}: too slow for a frame at 60 Hz."]
+    judged = f"within a frame at {max(kept)} Hz" if kept else "too slow for a frame at 60 Hz"
+    middle = "" if median_ms is None else f"; {milliseconds(median_ms)} ms in the median scene"
+    return f"{_who(policy)}: {judged} ({milliseconds(slowest.frame_ms_p99)} ms in {slowest.scene}{middle})."
 
 
 def _trouble(trials: Sequence[TrialRecord]) -> list[str]:

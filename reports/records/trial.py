@@ -265,6 +265,12 @@ class TrialRecord(BaseModel):
         """True if the verdict counts as right or wrong."""
         return self.verdict not in NOT_JUDGED
 
+    @property
+    def creep_is_uncertain(self) -> bool:
+        """True if the creep exceeds its limit in a stack that counts as still, because its interval reaches below."""
+        measured, limit = self.creep_m_s, self.creep_limit_m_s
+        return self.verdict == "right" and measured is not None and limit is not None and measured > limit
+
     @field_validator("message", "frame_ratio_message", mode="before")
     @classmethod
     def _without_escapes(cls, text: object) -> object:

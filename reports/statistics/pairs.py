@@ -58,6 +58,31 @@ class PairRow(NamedTuple):
     """Number of seeds that were not decided, summed over the pairs."""
 
 
+class PairedScenes(NamedTuple):
+    """Scenes of a family in a study with pairs: those that pairs judge, and the others."""
+
+    family: str
+    pairs: int
+    """Number of different pairs."""
+    paired: tuple[str, ...]
+    """Ids of the scenes in pairs."""
+    alone: tuple[str, ...]
+    """Ids of the scenes without a partner, which no table of pairs counts."""
+
+
+def paired_scenes(groups: Sequence[Group]) -> list[PairedScenes]:
+    """Return the scenes of each family that pairs judge, and the others; empty without pairs."""
+    by_set_up = grouped(groups, "key.engine", "key.profile", "key.policy").values()
+    names = {pair.name for members in by_set_up for pair in pairs_of(members)}
+    found = []
+    for (family,), members in grouped(groups, "scenario").items() if names else ():
+        paired = dict.fromkeys(group.key.scene for group in members if group.pair in names)
+        alone = dict.fromkeys(group.key.scene for group in members if group.key.scene not in paired)
+        pairs = {group.pair for group in members} & names
+        found.append(PairedScenes(family, len(pairs), tuple(paired), tuple(alone)))
+    return found
+
+
 def pairs_of(groups: Sequence[Group]) -> list[Pair]:
     """Return the pairs in the groups of one engine, profile and policy; skip scenes without a partner."""
     sides = grouped([group for group in groups if group.pair], "pair")

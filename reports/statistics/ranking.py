@@ -19,7 +19,7 @@ from typing import NamedTuple
 from reports.records.trial import TrialRecord
 from reports.statistics.groups import Group, grouped
 from reports.statistics.pairs import SetUp, are_opposed
-from reports.statistics.scores import middle
+from reports.statistics.scores import SlowestScene, middle, slowest_scene
 from reports.statistics.states import State, state_of
 from reports.statistics.success_rates import MISSES
 
@@ -44,6 +44,9 @@ class Creep(NamedTuple):
     """Creep [m/s]."""
     limit_m_s: float
     """Creep limit of the brick [m/s]."""
+    is_uncertain: bool = False
+    """True if the creep exceeds its limit, but the stack counts as still, because the interval of the creep reaches
+    below the limit."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,8 +65,8 @@ class Place:
     frame_ms: float | None
     """Median over scenes of the median frame time [ms], without scenes whose times come from several machines; None if
     no scene remains."""
-    frame_ms_p99: float | None
-    """Median over scenes of the 99th percentile of the frame time [ms], without scenes whose times come from several
+    slowest: SlowestScene | None
+    """The scene with the greatest 99th percentile of the frame time, without scenes whose times come from several
     machines; None if no scene remains."""
     creep: Creep | None
     """Creep with the greatest ratio to its limit, of all judged stacks that must stand and stood; None if no creep was
@@ -176,7 +179,7 @@ def _place(set_up: SetUp, units: Mapping[Unit, frozenset[State]], total: int, gr
         wrong=sum(not states.isdisjoint(MISSES) for states in units.values()),
         missing=total - len(units),
         frame_ms=middle(groups, "frame_ms_p50"),
-        frame_ms_p99=middle(groups, "frame_ms_p99"),
+        slowest=slowest_scene(groups),
         creep=_creep(groups),
     )
 
@@ -187,7 +190,7 @@ def _creep(groups: Sequence[Group]) -> Creep | None:
     A stack without a verdict, such as a stack in neutral balance, may creep.
     """
     measured = [
-        Creep(trial.creep_m_s, trial.creep_limit_m_s)
+        Creep(trial.creep_m_s, trial.creep_limit_m_s, trial.creep_is_uncertain)
         for group in groups
         for trial in group.draws
         if trial.creep_m_s is not None and trial.creep_limit_m_s

@@ -62,7 +62,9 @@ class PolicyScore:
             f"{count(side)} of {side.n} that must {word}" for side, word in sides if side is not None
         )
         return (
-            f"{self.pairs.right_count} of {self.pairs.n} pairs; {sides_text}" if self.pairs is not None else sides_text
+            f"{self.pairs.right_count} of {self.pairs.n} pair{'s' * (self.pairs.n != 1)}; {sides_text}"
+            if self.pairs is not None
+            else sides_text
         )
 
 
@@ -106,12 +108,13 @@ def score(policy: str, groups: Sequence[Group]) -> PolicyScore:
         trials=success_rates([[{trial.verdict} for trial in group.judged] for group in groups]),
         pairs=pair_success_rates(pairs_of(groups)),
         frame_ms_p99=middle(groups, "frame_ms_p99"),
-        slowest=_slowest(groups),
+        slowest=slowest_scene(groups),
         frame_ratios=_ratios(groups),
     )
 
 
-def _slowest(groups: Sequence[Group]) -> SlowestScene | None:
+def slowest_scene(groups: Sequence[Group]) -> SlowestScene | None:
+    """Return the scene with the greatest 99th percentile of frame times [ms]; None if no scene has a value."""
     times = [(group.estimate("frame_ms_p99"), group.key.scene) for group in groups]
     return max((SlowestScene(time.value, scene) for time, scene in times if time is not None), default=None)
 

@@ -164,12 +164,7 @@ def _measured(group: Group, field: str, digits: int, scale: float) -> Entry:
 
 def _creep(group: Group) -> Entry:
     entry = _measured(group, "creep_m_s", 3, 1e6)
-    is_uncertain = any(
-        trial.verdict == "right"
-        and trial.creep_m_s is not None
-        and trial.creep_m_s > (trial.creep_limit_m_s or math.inf)
-        for trial in group.draws
-    )
+    is_uncertain = any(trial.creep_is_uncertain for trial in group.draws)
     return Entry(f"{entry.text} ?", entry.sort) if is_uncertain else entry
 
 

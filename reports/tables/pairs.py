@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from reports.statistics.groups import ordered_policies
 from reports.statistics.intervals import Estimate
 from reports.statistics.pairs import (
     ALL,
+    PairedScenes,
     PairRow,
     SetUp,
 )
@@ -20,9 +21,30 @@ from reports.tables.wording import percent
 _LETTERS = {"false_stand": "s", "false_collapse": "c", "creeps": "r", "failed": "f"}
 
 
-def pair_tables(rows: Sequence[PairRow]) -> list[Table]:
-    """Return the table of all pairs and the table by family; empty without pairs."""
-    return [_headline(rows), _by_family(rows)] if rows else []
+def pair_tables(rows: Sequence[PairRow], scenes: Sequence[PairedScenes]) -> list[Table]:
+    """Return the table of all pairs and the table by family; empty without pairs.
+
+    Args:
+        rows: success rates of the pairs.
+        scenes: scenes of each family in pairs and without a partner, of which the notes give the numbers.
+    """
+    return [_headline(rows, _coverage(scenes)), _by_family(rows, _coverage_of_families(scenes))] if rows else []
+
+
+def paired_scenes_table(scenes: Sequence[PairedScenes], names: Mapping[str, str]) -> Table:
+    """Return the table of the scenes that pairs judge, by family, with the scenes that none judges.
+
+    Args:
+        scenes: scenes of each family.
+        names: names of the scenes, by id.
+    """
+
+    def named(ids: Sequence[str]) -> str:
+        return ", ".join(names[one] for one in ids) or NOTHING
+
+    lines = tuple((one.family, str(one.pairs), named(one.paired), named(one.alone)) for one in scenes)
+    header = ("family", "pairs", "scenes in pairs", "scenes without a partner, in no table of pairs")
+    return Table("Scenes of the pairs", header, lines, folds=True, id="paired_scenes")
 
 
 def pairs_csv(rows: Sequence[PairRow]) -> str:
@@ -40,7 +62,7 @@ def pairs_csv(rows: Sequence[PairRow]) -> str:
     return text.getvalue()
 
 
-def _headline(rows: Sequence[PairRow]) -> Table:
+def _headline(rows: Sequence[PairRow], coverage: str) -> Table:
     misses = misses_shown(row.success_rates for row in rows)
     lines = [
         (
@@ -54,6 +76,7 @@ def _headline(rows: Sequence[PairRow]) -> Table:
     ]
     header = (*SetUp._fields, "pairs", "right", *(miss.replace("_", " ") for miss in misses), "undecided")
     notes = (
+        coverage,
         "Pairs of scenes, one of which must stand and one fall: both outcomes correct; false stands (the scene that "
         "must fall stood), false collapses (a scene fell that must not, or too early), creeps (the scene that must "
         "stand crept), and failures (a scene sank, diverged or crashed). A pair may have several kinds of error.",
@@ -63,7 +86,7 @@ def _headline(rows: Sequence[PairRow]) -> Table:
     return Table("Pairs with both outcomes correct", header, tuple(lines), notes, id="pairs")
 
 
-def _by_family(rows: Sequence[PairRow]) -> Table:
+def _by_family(rows: Sequence[PairRow], coverage: str) -> Table:
     policies = ordered_policies(row.set_up.policy for row in rows)
     found = {(row.family, row.set_up): row for row in rows}
     families = dict.fromkeys(row.family for row in rows if row.family != ALL)
@@ -82,9 +105,28 @@ def _by_family(rows: Sequence[PairRow]) -> Table:
         "Pairs by family of scenes",
         ("family", *SetUp._fields[:2], *policies),
         tuple(lines),
-        (note,),
+        (coverage, note),
         id="pairs_by_family",
     )
+
+
+def _coverage(scenes: Sequence[PairedScenes]) -> str:
+    """Return the number of scenes that pairs judge, of all scenes of the study, as a sentence."""
+    pairs = sum(one.pairs for one in scenes)
+    paired, alone = sum(len(one.paired) for one in scenes), sum(len(one.alone) for one in scenes)
+    counted_pairs = "The only pair" if pairs == 1 else f"The {pairs} pairs"
+    judged = f"{counted_pairs} judge{'s' * (pairs == 1)} {paired} of {paired + alone} scenes"
+    other = "the other" if alone == 1 else f"the other {alone}"
+    return f"{judged}; no table of pairs counts {other}." if alone else f"{judged}."
+
+
+def _coverage_of_families(scenes: Sequence[PairedScenes]) -> str:
+    """Return a sentence that names the families of which pairs judge some scenes only."""
+    some = [f"{one.family} {len(one.paired)} of {len(one.paired) + len(one.alone)}" for one in scenes if one.alone]
+    if not some:
+        return "Pairs judge all scenes of each family."
+    rest = "; of all other families all" if len(some) < len(scenes) else ""
+    return f"Scenes in pairs: {', '.join(some)}{rest}."
 
 
 def _family_cell(row: PairRow | None) -> str:
@@ -113,4 +155,4 @@ def _some(row: PairRow) -> str:
 def _intervals(rows: Sequence[PairRow]) -> str:
     if any(row.success_rates is not None and row.success_rates.right.low is not None for row in rows):
         return "95 % intervals by bootstrap over pairs and, within them, over seeds; none where it has no width."
-    return "n = 1 build of each: no intervals."
+    return "n = 1 build of each: no intervals; run more builds with `--seeds 20`."

@@ -29,6 +29,8 @@ STATE_WORDS: dict[State, tuple[str, str]] = {
 """Words for each state: for one build, and for several builds."""
 REFERENCE = "ref."
 """Entry of a reference engine in the column of places."""
+P50, P99, CREEP = "p50 [ms], median scene", "p99 [ms], slowest scene", "creep [µm/s] of limit"
+"""Heads of the costs in the ranking."""
 _PERCENTILES = (5, 95)
 """Percentiles of the calibration times, whose ratio measures the variation of the machine's speed."""
 
@@ -40,7 +42,8 @@ def sentence(ranking: Ranking, unfinished: int = 0) -> str:
         ranking: the ranking of the study.
         unfinished: number of planned trials without a record.
     """
-    still = f" ({unfinished} planned trials have no record yet)" if unfinished else ""
+    have = "planned trial has" if unfinished == 1 else "planned trials have"
+    still = f" ({unfinished} {have} no record yet)" if unfinished else ""
     if not ranking.units:
         return f"No scene of this study is judged right or wrong; its tables hold the results{still}."
     everything = _everything(ranking)
@@ -80,14 +83,14 @@ def ranking_table(ranking: Ranking, records: Sequence[TrialRecord]) -> Table:
             *place.set_up,
             f"{place.right}/{len(ranking.units)}",
             milliseconds(place.frame_ms),
-            milliseconds(place.frame_ms_p99),
-            _micrometres(place.creep),
+            milliseconds(place.slowest.frame_ms_p99 if place.slowest is not None else None),
+            _of_limit(place.creep),
             reason,
         )
         for (number, place), reason in zip(listed, causes, strict=True)
         if ranking.units
     )
-    header = ("place", *SetUp._fields, "right", "p50", "p99", "creep", "reason")
+    header = ("place", *SetUp._fields, "right", P50, P99, CREEP, "reason")
     return Table("Ranking", header, rows, _notes(ranking, records), folds=True, id="ranking")
 
 
@@ -147,14 +150,20 @@ def _creep(creep: Creep | None) -> str:
     if creep is None:
         return ", creep not measured"
     speed = creep.m_s * MICRO
-    return f", creeps {speed:.1f} µm/s" if speed >= 0.05 else ", creeps less than 0.05 µm/s"
+    doubt = f" (not certainly more than its limit of {creep.limit_m_s * MICRO:.1f})" if creep.is_uncertain else ""
+    return f", creeps {speed:.1f} µm/s{doubt}" if speed >= 0.05 else ", creeps less than 0.05 µm/s"
 
 
-def _micrometres(creep: Creep | None) -> str:
-    """Format a creep [µm/s] with two decimals, from 100 on without decimals; a dash for None."""
+def _of_limit(creep: Creep | None) -> str:
+    """Format a creep and its limit [µm/s], such as ``0.60 of 1.28``, with ``?`` if it is uncertain; a dash for None."""
     if creep is None:
         return NOTHING
-    speed = creep.m_s * MICRO
+    speed, limit = (_micrometres(value * MICRO) for value in (creep.m_s, creep.limit_m_s))
+    return f"{speed} of {limit}{' ?' if creep.is_uncertain else ''}"
+
+
+def _micrometres(speed: float) -> str:
+    """Format a speed [µm/s] with two decimals, from 100 on without decimals."""
     return f"{speed:.2f}" if speed < 100 else f"{speed:.0f}"
 
 
@@ -185,9 +194,10 @@ def _notes(ranking: Ranking, records: Sequence[TrialRecord]) -> tuple[str, ...]:
         "not playable and undecided ones are not right), then fewest wrong, then the least p50."
     )
     units = (
-        "p50, p99 [ms]: median over scenes of the median and of the 99th percentile of the frame time. creep [µm/s]: "
-        "of the brick with the greatest ratio of creep to creep limit (1 % of its thickness a minute), over all stacks "
-        "that must stand."
+        "p50, median scene: median over scenes of the median frame time. p99, slowest scene: 99 of 100 frames take at "
+        "most so long in the scene where they take longest. Creep: of the brick nearest to its limit (1 % of its "
+        "thickness a minute), or farthest beyond it, over all stacks that must stand; ?: above the limit, but its 95 % "
+        "interval reaches below, so that the stack counts as still."
     )
     if ranking.references:
         units += (

@@ -8,7 +8,10 @@
   const COLUMNS = { scene: 0, engine: 2, profile: 3, policy: 4 };
   const AT_FIRST = rows.filter(row => !row.hidden).length;
   const textIn = cell => [...cell.childNodes].filter(node => node.className !== "flag").map(node => node.textContent).join("").replace(/\s+/g, " ").trim(); // without flags of public threads
-  const valueOf = (row, name) => name === "outcome" ? row.className : textIn(row.cells[COLUMNS[name]]);
+  const valueOf = (row, name) => {
+    if (name === "outcome") return row.className;
+    return name === "family" ? scenes[valueOf(row, "scene")].scenario : textIn(row.cells[COLUMNS[name]]);
+  };
   const words = new Map();
   const wordsOf = row => {
     if (!words.has(row)) words.set(row, row.textContent.toLowerCase());

@@ -1,5 +1,6 @@
 "use strict";
-for (const map of document.querySelectorAll(".heat table")) (() => {
+const heatMaps = document.querySelectorAll(".heat table");
+for (const map of heatMaps) (() => {
   const detail = map.parentElement.previousElementSibling;
   const scenes = [...map.tHead.rows[0].cells];
   let current = map.tBodies[0].rows[0]?.cells[2];
@@ -37,14 +38,38 @@ for (const map of document.querySelectorAll(".heat table")) (() => {
     const cell = cellOf(event);
     if (!cell) return;
     const row = cell.parentElement, body = row.parentElement.rows, at = row.sectionRowIndex, column = cell.cellIndex;
+    const shown = [...row.cells].slice(2).filter(other => !other.hidden), place = shown.indexOf(cell);
     const target = {
-      ArrowRight: row.cells[column + 1], ArrowLeft: column > 2 ? row.cells[column - 1] : undefined,
+      ArrowRight: shown[place + 1], ArrowLeft: shown[place - 1],
       ArrowDown: body[at + 1]?.cells[column], ArrowUp: body[at - 1]?.cells[column],
-      Home: row.cells[2], End: row.cells[row.cells.length - 1],
+      Home: shown[0], End: shown.at(-1),
     }[event.key];
     if (event.key === "Enter") location.hash = addressOf(cell);
     else if (target) go(target);
     else return;
     event.preventDefault();
   });
+
+  // One family alone: its columns, and how many of its pairs and other scenes each set-up has right.
+  const rights = [...map.tBodies[0].rows].map(row => row.cells[1].textContent);
+  document.getElementById("families").addEventListener("input", event => {
+    const family = event.target.value;
+    for (const row of map.rows)
+      for (const [column, cell] of [...row.cells].entries())
+        if (column > 1) cell.hidden = family !== "" && scenes[column].dataset.family !== family;
+    [...map.tBodies[0].rows].forEach((row, number) => {
+      row.cells[1].textContent = family === "" ? rights[number] : JSON.parse(row.cells[1].dataset.in)[family] ?? "-";
+    });
+    current.removeAttribute("tabindex");
+    current = [...map.tBodies[0].rows[0].cells].slice(2).find(cell => !cell.hidden);
+    current.tabIndex = 0;
+  });
 })();
+document.getElementById("families").addEventListener("input", event => {
+  const form = event.currentTarget, family = event.target.value, note = form.querySelector("output"), link = document.createElement("a");
+  document.querySelectorAll(".by-family").forEach(map => { map.hidden = family !== ""; });
+  document.querySelectorAll(".by-scene").forEach(details => { details.open ||= family !== ""; });
+  Object.assign(link, { href: `#rows:${new URLSearchParams({ family })}`, textContent: "its numbers" });
+  if (family === "") note.replaceChildren();
+  else note.replaceChildren("The column “right” counts this family alone; ", link, ".");
+});

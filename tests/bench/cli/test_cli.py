@@ -109,7 +109,7 @@ def test_a_report_lists_which_planned_trials_are_missing(tmp_path) -> None:
     (tmp_path / "trials.jsonl").write_text(record + "\n")
     (tmp_path / "study.toml").write_text(STUDY)
     call("report", str(tmp_path), status=0)
-    assert f"1 planned trials have no record (not yet run, or interrupted): {missing.id}" in (
+    assert f"1 planned trial has no record (not yet run, or interrupted): {missing.id}" in (
         tmp_path / "report" / "index.html"
     ).read_text(encoding="utf-8")
 

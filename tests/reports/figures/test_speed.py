@@ -45,3 +45,14 @@ def test_many_profiles_share_the_panel_of_their_engine(engines: int, profiles: i
     ]
     assert len(marks) == engines * profiles
     assert all(axes.get_position().width > 0.15 for axes in figure.axes if axes.get_visible())
+
+
+def test_a_mark_lies_at_the_time_of_the_slowest_scene() -> None:
+    """The budgets of 60 and 90 Hz judge the slowest scene, as the sentences do: 20 ms, not the median of 3 ms."""
+    times = {"table": 2.0, "four_stack": 3.0, "card_house": 20.0}
+    figure = speed_figure(
+        engine_scores(groups_of([record(scene=scene, frame_ms_p99=time) for scene, time in times.items()]))
+    )
+    assert figure is not None
+    marks = [line for line in figure.axes[0].lines if line.get_marker() == "o" and len(line.get_xdata())]
+    assert [list(line.get_xdata()) for line in marks] == [[20.0]]

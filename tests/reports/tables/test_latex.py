@@ -7,7 +7,7 @@ import subprocess
 import pytest
 
 from reports.statistics.groups import groups_of
-from reports.statistics.pairs import pair_rows
+from reports.statistics.pairs import pair_rows, paired_scenes
 from reports.tables.comparison import comparison_rows
 from reports.tables.latex import escape, pairs_to_latex, table_to_latex, to_latex, with_uncertainty
 from reports.tables.pairs import pair_tables
@@ -89,7 +89,10 @@ def test_braces_and_environments_are_balanced() -> None:
 
 def tables() -> str:
     """Every table of a study."""
-    return "".join(map(table_to_latex, [*study_tables(RECORDS), *pair_tables(pair_rows(groups_of(PAIRS)))]))
+    groups = groups_of(PAIRS)
+    return "".join(
+        map(table_to_latex, [*study_tables(RECORDS), *pair_tables(pair_rows(groups), paired_scenes(groups))])
+    )
 
 
 def test_any_table_is_a_longtable_of_its_entries() -> None:

@@ -10,10 +10,10 @@ from scipy import stats
 from reports.page.summary import verdicts
 from reports.records.trial import TrialRecord
 from reports.statistics.groups import groups_of
-from reports.statistics.pairs import ALL, PairRow, are_opposed, pair_rows
+from reports.statistics.pairs import ALL, PairRow, are_opposed, pair_rows, paired_scenes
 from reports.statistics.scores import engine_scores
-from reports.tables.pairs import pair_tables, pairs_csv
-from reports.tables.table import to_markdown
+from reports.tables.pairs import pair_tables, paired_scenes_table, pairs_csv
+from reports.tables.table import Table, to_markdown
 from scenarios.model import Expectation
 from tests.reports.studies import FALLS, STANDS, record
 
@@ -40,6 +40,16 @@ def both(pair: str, stand: str, fall: str, seed: int = 0, **fields) -> list[Tria
 def row(records: list[TrialRecord], family: str = ALL) -> PairRow:
     [found] = [one for one in pair_rows(groups_of(records)) if one.family == family]
     return found
+
+
+def tables(records: list[TrialRecord]) -> list[Table]:
+    groups = groups_of(records)
+    return pair_tables(pair_rows(groups), paired_scenes(groups))
+
+
+def across_engines() -> list[TrialRecord]:
+    """Both sides of a pair, each on another engine, which are no pair."""
+    return [side("a", "stand", "right"), side("a", "fall", "right", engine="mujoco")]
 
 
 def values(one: PairRow) -> list[float]:
@@ -95,15 +105,15 @@ def test_what_lacks_its_partner_is_no_pair() -> None:
     [found] = [one for one in pair_rows(groups_of(alone)) if one.family == ALL]
     assert found.success_rates is None, "of the pair b no seed has both sides"
     assert pair_rows(groups_of([record()])) == []
-    assert pair_tables([]) == []
+    assert tables([record()]) == []
+    assert paired_scenes(groups_of(across_engines())) == [], "sides on two engines"
 
 
 def test_policies_and_engines_have_pairs_of_their_own() -> None:
     records = [*both("a", "right", "right"), *both("a", "right", "false_stand", policy="at_rest")]
     found = [(one.set_up.policy, values(one)[0]) for one in pair_rows(groups_of(records)) if one.family == ALL]
     assert found == [("none", 1), ("at_rest", 0)]
-    across = [side("a", "stand", "right"), side("a", "fall", "right", engine="mujoco")]
-    assert pair_rows(groups_of(across)) == []
+    assert pair_rows(groups_of(across_engines())) == []
 
 
 def test_repeats_of_a_seed_are_no_further_pairs() -> None:
@@ -116,7 +126,7 @@ def test_one_seed_has_no_interval_and_says_so() -> None:
     found = row(records)
     assert found.success_rates is not None
     assert (found.success_rates.right.low, found.success_rates.false_stand.high) == (None, None)
-    output = to_markdown(pair_tables(pair_rows(groups_of(records))))
+    output = to_markdown(tables(records))
     assert "| bullet | game | none | 1/2 | 50 % | 50 % | 0 % | 0 % | - |" in output
     assert "n = 1 build of each: no intervals" in output
 
@@ -143,8 +153,29 @@ def test_the_interval_of_one_pair_is_the_binomials_and_of_several_that_of_drawin
 
 def test_the_table_by_family_counts_what_was_missed() -> None:
     records = [*both("table-1", "right", "right"), *both("table-2", "failed", "false_stand")]
-    [_, families] = pair_tables(pair_rows(groups_of(records)))
+    [_, families] = tables(records)
     assert families.rows == (("table", "bullet", "game", "1/2 1s 1f"),)
+
+
+def test_the_tables_name_how_many_scenes_and_which_the_pairs_judge() -> None:
+    """One pair of a family of four scenes says nothing of the other two; a family without pairs is named too."""
+    pair = both("table-1", "right", "right")
+    unpaired = [record(scene="table-2"), record(scene="table-3"), record(scene="wall")]
+    headline, families = tables([*pair, *unpaired])
+    assert headline.notes[0] == "The only pair judges 2 of 5 scenes; no table of pairs counts the other 3."
+    assert families.notes[0] == "Scenes in pairs: table 2 of 4, wall 0 of 1."
+    scenes = paired_scenes(groups_of([*pair, *unpaired]))
+    names = {scene: scene.upper() for one in scenes for scene in (*one.paired, *one.alone)}
+    assert paired_scenes_table(scenes, names).rows == (
+        ("table", "1", "TABLE-1-STAND, TABLE-1-FALL", "TABLE-2, TABLE-3"),
+        ("wall", "0", "-", "WALL"),
+    )
+    headline, families = tables([*pair, *both("ramp-1", "right", "right")])
+    assert headline.notes[0] == "The 2 pairs judge 4 of 4 scenes."
+    assert families.notes[0] == "Pairs judge all scenes of each family."
+    headline, families = tables([*pair, record(scene="wall")])
+    assert headline.notes[0] == "The only pair judges 2 of 3 scenes; no table of pairs counts the other."
+    assert families.notes[0] == "Scenes in pairs: wall 0 of 1; of all other families all."
 
 
 def test_the_csv_has_every_share_with_its_ends() -> None:

@@ -31,6 +31,7 @@ def test_the_cheapest_set_up_that_is_right_in_all_is_named_with_its_cost_and_cre
     assert said(*trials) == (
         "Cheapest set-up that is right in both scenes: rapier game with paper, 0.40 ms a frame, creeps 0.6 µm/s."
     )
+    assert said(*trials, unfinished=1).endswith("(1 planned trial has no record yet).")
     assert said(*trials, unfinished=3).endswith("0.6 µm/s (3 planned trials have no record yet).")
 
 
@@ -73,6 +74,26 @@ def test_a_study_of_one_outcome_is_called_so_and_one_without_an_answer_too() -> 
     unknown = record(expectation=Expectation("study", "nobody knows"), verdict="none")
     assert said(unknown) == "No scene of this study is judged right or wrong; its tables hold the results."
     assert not ranking_table(rank(groups_of([unknown])), [unknown]).rows
+
+
+def test_the_ranking_has_the_slowest_scene_and_the_creep_with_its_limit() -> None:
+    """The median over scenes of p99 is 3 ms, and no frame of 20 ms is within it."""
+    scenes = [
+        record(scene=scene, frame_ms_p50=1.0, frame_ms_p99=p99) for scene, p99 in {"a": 2, "b": 3, "c": 20}.items()
+    ]
+    creep = {"creep_m_s": 6e-7, "creep_limit_m_s": 1.28e-6}
+    crept = [record(engine="dart", scene="a", **creep), record(engine="dart", scene="b", frame_ms_p99=5.0)]
+    doubtful = record(engine="rapier", scene="a", creep_m_s=2e-6, creep_limit_m_s=1.28e-6)
+    certain = record(engine="physx", scene="a", creep_m_s=3e-6, creep_limit_m_s=1.28e-6, verdict="creeps")
+    trials = [*scenes, *crept, doubtful, certain]
+    table = ranking_table(rank(groups_of(trials)), trials)
+    costs = {row[1]: row[5:8] for row in table.rows}
+    assert table.header[5:8] == ("p50 [ms], median scene", "p99 [ms], slowest scene", "creep [µm/s] of limit")
+    assert costs["bullet"] == ("1.0", "20", "-")
+    assert costs["dart"] == ("1.0", "5.0", "0.60 of 1.28")
+    assert costs["rapier"] == ("1.0", "2.0", "2.00 of 1.28 ?"), "above the limit, but it counts as still"
+    assert costs["physx"][2] == "3.00 of 1.28"
+    assert said(doubtful).endswith("creeps 2.0 µm/s (not certainly more than its limit of 1.3).")
 
 
 def test_times_of_several_machines_name_no_cheapest() -> None:
