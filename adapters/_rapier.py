@@ -13,7 +13,8 @@ per point, gives too little friction across a plank.)
 
 Shapes: the axis of Rapier's cylinders is y. Therefore the adapter turns the collider of a cylinder in its body. While a
 pair moves by less than 1 mm, Parry (Rapier's collision library) keeps the pair's points. Therefore a lying cylinder may
-start to roll by itself.
+start to roll by itself. Parry uses at most four vertices of a face, so that a hexagonal prism stands on half of its
+face, and rocks. Therefore the adapter cuts a polyhedron with such faces into pieces, as a compound collider.
 
 Stiffness: contacts are springs. The sag under load is inversely proportional to the square of the springs' natural
 frequency. The solver makes ``num_solver_iterations`` substeps per step, and resolves a frequency of up to a quarter of

@@ -10,6 +10,7 @@ import numpy as np
 import rapier3d
 
 from adapters.profile import KnobValue, Profile
+from adapters.shared.face_pieces import face_pieces
 from adapters.shared.vectors import half_edges, scalar_last
 from scenarios.model import Brick, Vector, World
 from scenarios.shapes import Polyhedron
@@ -21,6 +22,9 @@ BODY_KNOBS = ("body.can_sleep", "body.activation.linear_threshold", "body.activa
 """Knobs that are settings of each body; all other knobs are settings of the world."""
 
 
+VERTICES_OF_A_FACE = 4
+"""Greatest number of vertices of a face that Parry (Rapier's collision library) uses: the first four of a hexagon cover
+half of its area."""
 AXIS_FROM_Y_TO_Z: Vector = (math.pi / 2, 0.0, 0.0)
 """Rotation vector [rad] from the axis of Rapier's cylinder to the axis of a brick."""
 
@@ -127,7 +131,7 @@ class RapierWorld:
         x, _, z = half_edges(brick.size)
         make = rapier3d.Collider
         if isinstance(brick.shape, Polyhedron):
-            builder = make.convex_hull(brick.shape.array)
+            builder = _polyhedron(brick.shape)
         elif brick.shape == "cylinder":
             builder = make.cylinder(z, x).rotation(AXIS_FROM_Y_TO_Z)
         elif brick.shape == "capsule":
@@ -159,6 +163,15 @@ class RapierWorld:
             self.turned.add(body)
         self.handles[body], self.views[body], self.colliders[body] = handle, view, collider
         self.body_of[collider] = body
+
+
+def _polyhedron(shape: Polyhedron) -> rapier3d.ColliderBuilder:
+    """Return a convex hull, or a compound of pieces if a face has more vertices than Parry uses."""
+    pieces = face_pieces(shape, VERTICES_OF_A_FACE)
+    if len(pieces) == 1:
+        return rapier3d.Collider.convex_hull(shape.array)
+    pose, hull = rapier3d.Isometry3.identity(), rapier3d.SharedShape.convex_hull
+    return rapier3d.Collider.compound([(pose, hull(piece.array)) for piece in pieces])
 
 
 def _with_mass(collider: rapier3d.ColliderBuilder, brick: Brick) -> rapier3d.ColliderBuilder:
