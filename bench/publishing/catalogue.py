@@ -164,6 +164,12 @@ PUBLICATIONS: dict[str, Publication] = {
         is_timed=False,
     ),
     "scale": Publication("the effect of a world 10 or 100 times larger", "scale"),
+    "related": Publication(
+        "the reference engines `erleben` and `staggered` (related work of the paper) beside ten products at one step a "
+        "frame, without the extension: structured stacks, card houses, and stacks that must fall",
+        "related",
+        is_timed=False,
+    ),
     "ratio": Publication(
         "frame time with the extension over frame time without it, 25 levels, nine engines, every profile",
         "ratio",
