@@ -105,12 +105,13 @@ def _part(table: Table, columns: Sequence[int], number: int) -> Table:
 
 
 def _render_part(table: Table, console: Console) -> None:
-    text = RichTable(title=table.title, title_justify="left", pad_edge=False, box=None, header_style="bold")
+    title = Text(table.title, style="table.title")  # Rich would read "[ms]" in a string as markup
+    text = RichTable(title=title, title_justify="left", pad_edge=False, box=None, header_style="bold")
     figures = sum(map(_is_figures, zip(*table.rows, strict=True))) if table.rows and not table.folds else 0
     first_figure = len(table.header) - figures
     for column, name in enumerate(table.header):
         text.add_column(
-            name,
+            Text(name),
             justify="right" if column >= first_figure else "left",
             overflow="fold",
             no_wrap=column == 0 if table.folds else column >= first_figure,  # a broken number is misread

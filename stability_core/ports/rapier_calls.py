@@ -86,6 +86,9 @@ def local_points(
 ) -> tuple[IntArray, FloatArray, FloatArray]:
     """Return all of Rapier's contact points of pairs, including points across a large gap.
 
+    The function leaves out the points of a manifold without a direction: between pieces of compound shapes that touch in
+    one point, Parry (Rapier's collision library) may give a normal of length 0.
+
     Args:
         pairs_of_colliders: body a, body b, and Rapier's pair.
 
@@ -101,6 +104,8 @@ def local_points(
     for body_a, body_b, pair in pairs_of_colliders:
         for manifold in pair.manifolds:
             normal = manifold.local_n1.to_tuple()
+            if not any(normal):
+                continue
             for point in manifold.points:
                 pairs.append((body_a, body_b))
                 rows.append(normal + point.local_p1.to_tuple() + point.local_p2.to_tuple())

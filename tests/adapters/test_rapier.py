@@ -10,6 +10,7 @@ from adapters.profile import Sleeping
 from scenarios.model import Brick, World
 from stability_core.port import GROUND
 from stability_core.ports.rapier_calls import local_points
+from tests.scenarios.played import played
 
 
 def opened(profile: str = "game", sleeping: Sleeping = "off", world: World | None = None) -> RapierSimulation:
@@ -207,3 +208,9 @@ def test_a_state_that_rapier_put_back_is_reported_as_diverged() -> None:
     advance(simulation, 0.1)
     assert np.isnan(simulation.poses()[1]).all()
     simulation.close()
+
+
+def test_pieces_that_touch_in_a_point_have_no_contact_without_a_normal() -> None:
+    """The centring of an arch is a compound of pieces; Parry gives some of its contacts a normal of length 0."""
+    record = played("rapier", "tuned", "voussoir_arch", {"voussoirs": 7}, "equilibrium")
+    assert record.status == "completed", record.message
