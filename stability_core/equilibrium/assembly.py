@@ -110,7 +110,7 @@ def _lever(graph: Graph, at: int, vertex: int, margin: float, body: int, lever: 
 
 @compiled
 def _rolling(graph: Graph, patches: IntArray, index: IntArray, n: int, radius: float) -> FloatArray:
-    """Return 1 for each of ``n`` bodies that touches only in points and lines, else 0, shape (n,).
+    """Return an array (n,): 1 for a body that touches only in points and lines, 0 for any other body.
 
     Args:
         graph: the stack.
@@ -133,7 +133,7 @@ def _rolling(graph: Graph, patches: IntArray, index: IntArray, n: int, radius: f
 def _add_kept_forces(
     graph: Graph, memory: Memory, kept: IntArray, index: IntArray, size: FloatArray, load: FloatArray
 ) -> None:
-    """Subtract the kept forces of the patches ``kept`` (q,) from the ``load`` (n, 6) of all other contacts."""
+    """Subtract the kept forces of the patches ``kept`` (q,) from the ``load`` (n, 6) that other contacts must bear."""
     lever = np.empty(3)
     for at in kept:
         if not is_known(graph, memory, at):

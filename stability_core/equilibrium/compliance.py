@@ -116,7 +116,7 @@ def contact_law(case: Case, v: FloatArray, force: FloatArray, tangent: FloatArra
 def _wrenches(lever: FloatArray, matrix: FloatArray, right: FloatArray) -> None:
     """Write ``matrix`` (3, 3) times W (3, 6) to ``right`` (3, 6).
 
-    W gives the velocity of a contact at ``lever`` under a motion y = (v, w): W y = v + w x ``lever``.
+    For a body with velocity v and angular velocity w, W (v, w) = v + w x ``lever`` is the velocity of the contact.
     """
     for k in range(3):
         right[k, 0], right[k, 1], right[k, 2] = matrix[k, 0], matrix[k, 1], matrix[k, 2]
@@ -136,7 +136,7 @@ def _add_block(
     lever: FloatArray,
     right: FloatArray,
 ) -> None:
-    """Add sign W^T right (6, 6) to the block of the bodies in places i and j, with W of ``lever`` (``_wrenches``)."""
+    """Add sign W^T right (6, 6) to the block of the bodies in places i and j; see ``_wrenches`` for W."""
     for h in range(6):
         x, y, z = right[0, h], right[1, h], right[2, h]
         moment = (lever[1] * z - lever[2] * y, lever[2] * x - lever[0] * z, lever[0] * y - lever[1] * x)
@@ -188,8 +188,8 @@ def _assemble(
 def _unbalanced(problem: Problem, inertia: FloatArray, u: FloatArray, force: FloatArray, rest: FloatArray) -> float:
     """Write the imbalance of each body to ``rest`` (n, 6); return the norm of the rests times kappa over the weights.
 
-    The imbalance is A f - w - M u / kappa, and for a rolling body also the moment with which its slack resists the
-    rotation.
+    The imbalance is A f - w - M u / kappa. For a rolling body, the imbalance also contains the moment with which the
+    slack of the body resists the rotation.
     """
     imbalance(problem, force, rest)
     total = 0.0
@@ -250,14 +250,14 @@ def displace(case: Case, kappa: float, most: int, u: FloatArray) -> tuple[bool, 
     """Move the displacements ``u`` (n, 6) to the solution for ``kappa``.
 
     The method is semismooth Newton, with at most ``most`` steps. The method halves each step until the imbalance
-    decreases. A step costs O(m) and a factorisation.
+    decreases, or the length is ``SHORTEST_STEP``. A step costs O(m) and a factorisation.
 
     Returns:
         Two values:
 
         - True if the function found the solution;
         - the ratio of each body's sensitivity to its displacement, shape (n,). Without a solution, the value is 1 for
-          bodies that are not balanced, and 0 for other bodies.
+          unbalanced bodies, and 0 for other bodies. If each body alone is balanced, the value is 1 for all bodies.
     """
     problem, envelope = case.problem, case.envelope
     n, m = len(problem.load), len(problem.normal)
@@ -302,7 +302,7 @@ def displace(case: Case, kappa: float, most: int, u: FloatArray) -> tuple[bool, 
 
 @compiled
 def displace_in_rounds(case: Case, kappa: float, u: FloatArray) -> tuple[bool, FloatArray]:
-    """Find the solution of ``displace`` by rounds of friction bounds: a slower search that rarely fails.
+    """Find the solution of ``displace`` by rounds of friction bounds, for cases in which Newton's method alone fails.
 
     Before and after the call, ``case.bound`` holds ``COULOMB``.
     """

@@ -63,8 +63,8 @@ def bearing(graph: Graph, memory: Memory, seeds: IntArray, members: IntArray, gr
     """Return the bodies for which a change of the ``seeds`` requires new contact forces: O(result).
 
     The result contains the seeds and all bodies that bear the seeds, down to the ground. The result also contains each
-    body beside or above them whose kept forces do not balance. All other forces may stay. If new forces balance the
-    bodies of the result under the kept forces on their border, the whole stack is in balance.
+    body beside or above these bodies, if its kept forces do not balance. All other forces may stay. If new forces
+    balance the bodies of the result under the kept forces on their border, the whole stack is in balance.
 
     Args:
         graph: the stack.

@@ -48,6 +48,8 @@ def project(z: FloatArray, normal: FloatArray, friction: FloatArray, force: Floa
 def derivative(z: FloatArray, normal: FloatArray, mu: float, direction: FloatArray, weight: FloatArray) -> int:
     """Return the derivative of one contact's projection at ``z`` as a sum of k terms weight_k u_k u_k^T.
 
+    With the symbols of ``project``:
+
     identity                                               inside the cone
     0                                                      inside its polar
     w w^T + (mu s / t) (n x e) (n x e)^T                   else, with w = (n + mu e) / sqrt(1 + mu^2)

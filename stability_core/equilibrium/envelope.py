@@ -1,7 +1,7 @@
 """Factors of the sparse matrices of a stack, in an envelope (skyline): each row from its first entry to the diagonal.
 
-In reverse Cuthill-McKee order the rows of a column or a wall of n bodies have bounded length, so that a factorisation
-costs O(n). For a pile whose widest layer has w bodies a factorisation costs O(n w^2).
+In reverse Cuthill-McKee order the rows of a column, or of a wall of bounded width, have bounded length. Therefore a
+factorisation costs O(n) for n bodies. For a pile whose widest layer has w bodies a factorisation costs O(n w^2).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class Envelope(NamedTuple):
 
 @compiled
 def _neighbours(body_a: IntArray, body_b: IntArray, n: int) -> tuple[IntArray, IntArray]:
-    """Return the start of each body's neighbours in a list, (n + 1,), and the list; a pair may occur more than once."""
+    """Return the start of each body's neighbours in a list, (n + 1,), and the list, perhaps with repeated pairs."""
     start = np.zeros(n + 1, np.int64)
     for fill in range(2):
         listed = np.empty(start[n] if fill else 0, np.int64)
@@ -256,8 +256,8 @@ def factorize_general(lower: FloatArray, upper: FloatArray, envelope: Envelope) 
     """Replace a matrix with a symmetric pattern by its factors L and U; L has ones on its diagonal.
 
     In the envelope, ``lower`` holds the lower triangle by rows, and ``upper`` holds the upper triangle by columns, both
-    with the diagonal. U has the inverse of its diagonal. There is no pivoting: after a zero pivot the result is wrong,
-    and the caller must detect the error by the residual. The function works in tiles, as ``factorize`` does.
+    with the diagonal. U has the inverse of its diagonal. The function does not pivot. After a zero pivot the result is
+    wrong, and the caller must detect the error by the residual. The function works in tiles, as ``factorize`` does.
     """
     first, offset = envelope.first, envelope.offset
     tile = np.empty((3, 3))

@@ -9,7 +9,7 @@ Proof: if contacts hold every cluster, the forces of all clusters lie in the Cou
 without prestress. The contacts of lower layers behave as if they were far stiffer than the contacts of higher layers.
 
 If contacts do not hold a cluster, a body on the cluster may hold it, for example a counterweight. The module then joins
-the cluster with the clusters on it, as long as there are few bodies. If contacts do not hold the joined cluster either,
+the cluster with the clusters on it, up to ``MOST_TOGETHER`` bodies. If contacts do not hold the joined cluster either,
 the bodies of the first cluster are loose. The clusters below then bear the forces of a known equilibrium in place of
 the forces of the loose bodies.
 """

@@ -1,4 +1,7 @@
-"""One Newton step: the generalised Hessian of |P_K(z)|^2 / 2 + rho |y|^2 / 2 at a point z, and the line search."""
+"""One Newton step: the generalised Hessian of |P_K(z)|^2 / 2 + rho |y|^2 / 2 at a point z, and the line search.
+
+See ``newton`` for the symbols.
+"""
 
 from __future__ import annotations
 

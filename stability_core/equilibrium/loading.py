@@ -1,11 +1,12 @@
 """Load a stack from zero prestress, to see whether contact forces that could hold the bodies arise by themselves.
 
-Forces inside the Coulomb cones may be a self-stress that nothing supplies: two walls could hold a brick between them
-only if something pressed the walls together. Therefore every contact gets a compliance, all loads grow from zero, and
-the bodies move until the contacts hold them. One solution gives the whole path of proportional loads, because with
-closed gaps the problem is homogeneous of degree 1:
+Forces inside the Coulomb cones may be a self-stress that nothing supplies. For example, two walls could hold a brick
+between them only if something pressed the walls together. Therefore every contact gets a compliance, all loads grow
+from zero, and the bodies move until the contacts hold them. One solution gives the whole path of proportional loads,
+because with closed gaps the problem is homogeneous of degree 1:
 
-    M u / kappa = w + A f(u)                       u (n, 6): displacements, w: loads, A f: wrenches of the contacts
+    M u / kappa = A f(u) - w                       u (n, 6): displacements, A f: wrenches of the contacts,
+                                                   w: wrenches that balance the loads, as in ``newton``
     v = A^T u                                      relative displacement at a contact, v_n along its normal
     f_n = max(0, -v_n - NORMAL_NOISE |v_t|)        pressed as the contact closes
     f_t = Proj_{|f_t| <= mu f_n} (-r v_t)          r: tangential over normal stiffness
@@ -20,8 +21,8 @@ The sensitivity is u itself for a body that falls, and u times (compliance / kap
 differ by powers of ten. The bodies need no prestress if the sensitivity is small for each tangential stiffness of
 ``STIFFNESSES``.
 
-The term NORMAL_NOISE |v_t| subtracts the closure that an error of the normal could cause. Without this term, a brick
-that slides along a neighbour's side would jam for one sign of the rounding error, and fall for the opposite sign.
+The term NORMAL_NOISE |v_t| subtracts the closure that an error of the normal could cause. Without this term, the sign
+of a rounding error would decide whether a brick that slides along a neighbour's side jams or falls.
 
 Proof: f(u) lies in the Coulomb cones and balances the loads up to M u / kappa. Therefore a stack that stands in this
 loading has an equilibrium that arises monotonically from zero.
@@ -69,10 +70,11 @@ def displace_step_by_step(case: Case, u: FloatArray, is_thorough: bool) -> Float
     """Load at ``KAPPA`` from ``u``; if contacts do not hold all bodies, load from zero through smaller values of kappa.
 
     With ``is_thorough``, a long sequence of values follows if the short sequences fail. Only the last sequence decides
-    a fall, because a long step may end in a distant jam that holds fewer bodies than the path from zero.
+    a fall, because a long step may end in a distant jam. A distant jam may hold fewer bodies than the path from zero.
 
     Returns:
-        The ratio of each body's sensitivity to its displacement, or 1 for bodies that are not balanced, shape (n,).
+        The ratio of each body's sensitivity to its displacement, shape (n,). See ``displace`` for the values without a
+        solution.
     """
     if u.any():
         held, sensitivity = displace(case, KAPPA, WARM_STEPS, u)

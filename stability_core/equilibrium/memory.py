@@ -31,7 +31,7 @@ class Memory(NamedTuple):
 
 
 def memory_for(patches: int, known: Memory | None = None) -> Memory:
-    """Return a table with ``patches`` rows that keeps the ``known`` rows."""
+    """Return a table of ``patches`` rows with a copy of the ``known`` rows."""
     fresh = Memory(np.full((patches, 3), NONE), np.zeros((patches, MAX_VERTICES, 3)))
     if known is not None:
         rows = np.flatnonzero(known.pair[:, 0] != NONE)

@@ -8,8 +8,8 @@ f       = P_K(A^T y), the solution of least norm, where y minimises the convex f
 
 |P_K(A^T y)|^2 / 2 - w . y + rho |y - y'|^2 / 2.
 
-P_K is the projection onto the cones, and A K is the set of all A f with f in the cones. The last term, about the latest
-y', makes the search a proximal point method, which also solves degenerate problems.
+P_K is the projection onto the cones, and A K is the set of all A f with f in the cones. The last term, with the weight
+rho about the latest y', makes the search a proximal point method. This method also solves degenerate problems.
 
 - If forces in the cones balance w, the unbalanced rest r = w - A f = rho (y - y') tends to zero.
 - If no forces in the cones balance w, r tends to the shortest vector between w and A K. This vector proves the fall

@@ -61,7 +61,7 @@ Regions: TypeAlias = Any
 
 
 def regions_for(bodies: int, known: Regions) -> Regions:
-    """Return a table with a row for each of ``bodies`` bodies that keeps the ``known`` rows."""
+    """Return a table with a row for each of ``bodies`` bodies, and with a copy of the ``known`` rows."""
     fresh = np.zeros(bodies, REGION)
     fresh[: len(known)] = known
     return fresh
@@ -184,7 +184,7 @@ def is_proven(graph: Graph, regions: Regions, body: int) -> bool:
 def note_doubts(graph: Graph, regions: Regions) -> None:
     """Record the surroundings of the bodies frozen in doubt in this frame: O(bodies that changed in this frame).
 
-    Any later change unfreezes these bodies. They get no region, so that a body on them needs a solve.
+    Any later change unfreezes these bodies. A body in doubt gets no region, so that the bodies on it need a solve.
     """
     for body in graph.changed[1 : 1 + graph.changed[0]]:
         row = graph.bodies[body]
@@ -260,8 +260,9 @@ def keep_proof_of_neighbours(graph: Graph, regions: Regions, body: int) -> None:
 def topples_alone(graph: Graph, body: int, support: FloatArray) -> bool:
     """Return True if a body topples by itself: its centre of mass lies outside its contact area.
 
-    Friction cannot hold a body that topples by itself. The result is False if the body carries another body, leans, or
-    stands on a live body at rest. In these cases both bodies may freeze together and hold each other.
+    Friction cannot hold a body that topples by itself. The result is False if the contact area is a point or a line.
+    The result is also False if the body carries another body, leans, or stands on a live body at rest. In these three
+    cases both bodies may freeze together and hold each other.
 
     Args:
         graph: the stack.

@@ -148,7 +148,7 @@ def _checked(contacts: Contacts, masses: Masses) -> tuple[IntArray, IntArray]:
 
 
 def _refuse_flipped(contacts: Contacts, masses: Masses, index_a: IntArray, index_b: IntArray, up: FloatArray) -> None:
-    """Check that the normals do not point from b to a, as if the ground pushed all bodies down.
+    """Check that the normals point from a to b; with flipped normals, the ground would push all bodies down.
 
     Raises:
         ValueError: if all contacts with the ground have such normals; the message names the first contact.

@@ -62,14 +62,14 @@ class Policy(ABC):
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
         """Bring the stack up to date with one frame.
 
-        Every policy takes the same steps:
+        The policies of the core take these steps:
 
         1. build the patches of the worklist (``lay_due``);
         2. freeze the accepted candidates, lowest first;
         3. rebuild the patches of these bodies (``lay_frozen``);
         4. find the unbalanced bodies among all affected bodies (``take_changed``).
 
-        A policy that takes these steps in one compiled call costs microseconds.
+        The functions in parentheses are kernels, so that a policy can take all steps in one compiled call.
 
         Args:
             graph: the stack, with enough spare patches, and with a list of the bodies that changed since the last call.

@@ -14,8 +14,8 @@ sleep and mass:
 - A body inside freezes once it is at rest, as in every policy, unless it touches a moving live body.
 - A body unfreezes after an impact, as in every policy, and when it has lost a support.
 
-The policy does not test balance, because inside a pile the neighbours hold bodies that would tip. A tower never freezes
-beyond its lowest planks, because a tower is steeper than any pile of its friction.
+The policy does not test balance, because inside a pile the neighbours hold bodies that would tip. With the default
+angle, at most the lowest planks of a tower freeze, because a tower is steeper than a pile with its friction.
 """
 
 from __future__ import annotations

@@ -2,14 +2,13 @@
 
 H. Zhao, C. Zhu, X. Xu, H. Huang, K. Xu, "Learning practically feasible policies for online 3D bin packing", Science
 China Information Sciences 65, 112105 (2022), https://doi.org/10.1007/s11432-021-3348-6. Their test is the flat test of
-Thomsen and Kraus: a body is stable if its centre of mass, with all loads, lies in the hull of its contact points. The
-shares F of a load m g at c = C_stack are:
+Thomsen and Kraus. A body is stable if its centre of mass, with all loads, lies in the hull of its contact points. The
+shares F_i of a load m g at c = C_stack on supports with contact areas centred at p_i are:
 
 - A support whose own contact area contains c bears the whole load, as in Thomsen and Kraus.
-- Two supports, with the centres p_0 and p_1 of their contact areas, share the load by their levers:
-  |F_0| = m g |(c - p_1) . (p_0 - p_1)| / |p_0 - p_1|^2.
-- More than two supports: the least-squares solution of the lever equations F_i d_ij = F_j d_ji of all pairs, with
-  d_ij = |(c - p_i) . (p_i - p_j)| / |p_i - p_j|^2, and of the equation sum of all F = m g. Thomsen and Kraus take equal
+- Two supports share the load by their levers: |F_0| = m g |(c - p_1) . (p_0 - p_1)| / |p_0 - p_1|^2.
+- More than two supports take the least-squares solution of the lever equations F_i d_ij = F_j d_ji of all pairs, and of
+  the equation sum of all F_i = m g. Here d_ij = |(c - p_i) . (p_i - p_j)| / |p_i - p_j|^2. Thomsen and Kraus take equal
   shares.
 
 The article gives the lever equations without a scale. This policy divides each lever by the distance of the two
@@ -51,9 +50,9 @@ def _lever(center: FloatArray, own: FloatArray, other: FloatArray) -> float:
 def lever_shares(center: FloatArray, contacts: FloatArray) -> FloatArray:
     """Return the shares (k,) of a load at ``center`` (3,) on supports with contact centres ``contacts`` (k, 3).
 
-    With the lever equations L s = 0 for the shares s, and a vector 1 of ones, the normal equations of the lever
-    equations and the sum are (L^T L + 1 1^T) s = 1. Gaussian elimination needs no pivoting, because the matrix is
-    positive definite. The shares are not negative, because the off-diagonal entries of L^T L are not positive.
+    The shares s satisfy the lever equations L s = 0, and their sum is 1^T s = 1, with the vector 1 of ones. The normal
+    equations of both are (L^T L + 1 1^T) s = 1. Gaussian elimination needs no pivoting, because the matrix is positive
+    definite. The shares are not negative, because the off-diagonal entries of L^T L are not positive.
     """
     k = len(contacts)
     if k < 2:

@@ -71,11 +71,11 @@ def attach(
 def warm_up(policy: str = "equilibrium") -> float:
     """Compile the core for ``policy`` and the ports, or read them from Numba's cache; return the core's time [s].
 
-    ``attach`` compiles them on first use. Call this function where the wait matters least: the compilation takes two
-    to three minutes, once per version.
+    ``attach`` compiles the core and the ports on first use. Call this function where the wait matters least: the
+    compilation takes two to three minutes, once per version.
 
     Raises:
-        UnknownNameError: if there is no such policy.
+        UnknownNameError: if ``policy`` is no name of ``POLICIES``.
     """
     seconds = extension.warm_up(policy)
     compile_kernels()

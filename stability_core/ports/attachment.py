@@ -17,7 +17,7 @@ _ATTACHED: weakref.WeakValueDictionary[Hashable, Attachment] = weakref.WeakValue
 
 
 class EnginePort(StabilityPort, Protocol):
-    """A port to an engine's world that follows the world's bodies, gravity and time."""
+    """A port that follows the bodies, the gravity and the time of an engine's world."""
 
     engine: str
     """Name of the engine in messages."""
@@ -25,7 +25,7 @@ class EnginePort(StabilityPort, Protocol):
     """Identity of the world."""
 
     def gravity(self) -> tuple[float, float, float]:
-        """Return the world's gravity [m/s2] at the latest ``begin_update``, or when the port was opened."""
+        """Return the world's gravity [m/s2] at the latest ``begin_update``, or at the opening of the port."""
         ...
 
     def begin_update(self, dt: float) -> Iterable[int]:
@@ -98,7 +98,7 @@ class Attachment(StabilityExtension):
     def adopt(self, bodies: Iterable[int] | None = None) -> Change:
         """Judge bodies in place by statics, with the contacts of the present poses, and freeze bodies that stand.
 
-        Call this method once the stack is built, before the first step. See ``StabilityExtension.adopt``.
+        Call this method after you have built the stack, before the first step. See ``StabilityExtension.adopt``.
         """
         self._check_open()
         self._follow_world(0.0)

@@ -1,8 +1,12 @@
 """A port to a DART world that the user owns.
 
-The port controls skeletons of one body on a free joint. All other bodies are obstacles: links of robots, fixed and
-immobile skeletons, bodies whose joint has an actuator or that have no gravity, and skeletons that the user leaves out.
-The port numbers the body nodes, because DART's bodies have names only; the attachment's methods accept skeletons of one
+The port controls skeletons of one body on a free joint. All other bodies are obstacles:
+
+- links of robots, fixed skeletons and immobile skeletons;
+- bodies without gravity, and bodies whose joint has an actuator;
+- skeletons that the user leaves out.
+
+The port numbers the body nodes, because DART's bodies have names only. The attachment's methods accept skeletons of one
 body, and body nodes.
 
 Contacts: DART's own, of the poses before the latest step, and the missing corners of contact areas between boxes,
@@ -12,8 +16,8 @@ that it has put to sleep. The port changes no setting of the world or of a live 
 Traps:
 
 - DART's list of contacts refers to freed memory once a skeleton has left the world. The port then finds the contacts
-  again, until the next step. The port cannot see that the user removed the last skeleton of a world and added it again
-  between a step and ``update``: remove and add this skeleton after ``update``.
+  again, until the next step. Remove and add the last skeleton of a world after ``update``, not between a step and
+  ``update``, because the port cannot see this change.
 - DART keeps at most 1000 contacts. A live body whose contacts DART has dropped does not freeze.
 """
 
@@ -59,7 +63,7 @@ class DartPort(FreeBodyPort):
 
         Raises:
             TypeError: for an object that is neither a skeleton nor a body node.
-            ValueError: for a body that cannot freeze, or is controlled already.
+            ValueError: for a body that cannot freeze, or that the port controls already.
             KeyError: for a body that is not in the world.
         """
         super().add([self.id_of(body) for body in bodies])

@@ -1,7 +1,8 @@
 """Calls of DART for contacts and freezing, shared by the port and by the suite's adapter.
 
 Freezing: the skeleton stops and becomes immobile. DART leaves an immobile skeleton out of integration and of the
-contact problem, so that nothing moves it by a single bit. DART lists no contacts between two immobile skeletons.
+contact problem, so that no step of DART changes a bit of the skeleton's pose. DART lists no contacts between two
+immobile skeletons.
 
 A normal of DART points from object 2 to object 1, so that object 2 is body a.
 """

@@ -83,7 +83,8 @@ class DartWorld(FreeBodyWorld):
     def can_read(self, bodies: Collection[int]) -> bool:
         """Return True if the number of skeletons is the same, and none of ``bodies`` moves by itself.
 
-        The port then reads no contacts, whose list refers to freed memory once a skeleton has left.
+        In this case the port does not read DART's list of contacts. The list refers to freed memory once a skeleton has
+        left.
         """
         return self._world.getNumSkeletons() == len(self._listed) and not any(map(self.is_mover, bodies))
 
@@ -92,7 +93,7 @@ class DartWorld(FreeBodyWorld):
         return [*self.nodes]
 
     def reason_against(self, body: int) -> str | None:
-        """Return why a body that is not frozen cannot freeze, and the fix; None if it can."""
+        """Return why a body that is not frozen cannot freeze, and the fix; None if it can freeze."""
         node = self.nodes[body]
         skeleton = node.getSkeleton()
         name, joint = f"({skeleton.getName()!r})", skeleton.getJoint(0)
@@ -145,14 +146,14 @@ class DartWorld(FreeBodyWorld):
         unfreeze(self.nodes[body].getSkeleton())
 
     def step_contacts(self, concerns: Concerns, bodies: Set[int]) -> Touching:
-        """Return the contacts of the latest step that ``concerns`` names."""
+        """Return the contacts of the latest step that ``concerns`` selects."""
         if self._world.getSimFrames() == self._stale_steps:
             return self.present_contacts(concerns, bodies)
         contacts = self._world.getLastCollisionResult().getContacts()
         return _touching(contacts, self._objects, concerns, lambda frame: (frame, 0.0))
 
     def present_contacts(self, concerns: Concerns, bodies: Set[int]) -> Touching:  # noqa: ARG002
-        """Return the contacts of the present poses that ``concerns`` names, without a change of the world."""
+        """Return the contacts of the present poses that ``concerns`` selects, without a change of the world."""
         with present_contacts(self._world, self.nodes) as (contacts, originals):
             copies = CollisionObjects(lambda frame: originals[frame].body)
             return _touching(contacts, copies, concerns, lambda frame: originals[frame][1:])
@@ -164,7 +165,7 @@ def _touching(
     concerns: Concerns,
     original_of: Callable[[Any], tuple[Any, float]],
 ) -> Touching:
-    """Return the contacts of DART that ``concerns`` names.
+    """Return the contacts of DART that ``concerns`` selects.
 
     Args:
         contacts: DART's contacts.

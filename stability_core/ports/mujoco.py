@@ -156,7 +156,7 @@ class MujocoPort:
         """Control prepared bodies, by ids or names.
 
         Raises:
-            ValueError: for a body without a ghost, or that is controlled already.
+            ValueError: for a body without a ghost, or a body that the port controls already.
         """
         for name in bodies:
             body = self._checked(name)
@@ -211,7 +211,7 @@ class MujocoPort:
         )
 
     def masses(self) -> Masses:
-        """Return the live bodies and the obstacles, whose mass is infinite, and frozen bodies that the user moved."""
+        """Return the live bodies, the obstacles (of infinite mass), and frozen bodies that the user moved."""
         removed, self._removed = self._removed, []
         moved = self._moved()
         if not self._live and not self._obstacles and not moved:
@@ -262,7 +262,7 @@ class MujocoPort:
         """Return the id of a body that the port can control and does not control yet.
 
         Raises:
-            ValueError: for a body without a ghost, or that is controlled already.
+            ValueError: for a body without a ghost, or a body that the port controls already.
         """
         names = {self.model.body(body).name: body for body in self._free}
         body = names.get(name, -1) if isinstance(name, str) else name
@@ -312,7 +312,7 @@ class MujocoPort:
                 self._shapes.add(body, solid)
 
     def _place(self, data: Data) -> None:
-        """Write the poses of the contacts' time into the table of shapes."""
+        """Write the poses at the time of the contacts to the table of shapes."""
         if GROUND not in self._shapes and len(geoms_of(self.model, 0)) == 1:
             plane = solid_of(self.model, 0)
             if plane is not None and not len(plane.vertices):

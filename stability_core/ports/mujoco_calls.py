@@ -1,7 +1,7 @@
 """Contacts in MuJoCo's arrays, shared by the port and by the suite's adapter.
 
-MuJoCo lists the contacts at the start of the latest step, and ``cvel`` holds the velocities at that time. Together they
-give the approach speed before the solver stops the bodies.
+MuJoCo lists the contacts at the start of the latest step, and ``cvel`` holds the velocities at that time. Contacts and
+velocities together give the approach speed before the solver stops the bodies.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ def speculative_rows(found: Found, rows: IntArray) -> IntArray:
 
 
 def fall(model: Model, falls: np.ndarray[Any, np.dtype[np.bool_]]) -> FloatArray:
-    """Return the change (n, 3) [m/s] of relative velocities by gravity in one step of speculative contacts.
+    """Return the change (n, 3) [m/s] that gravity causes in one step in the relative velocities of pairs.
 
     A pair with a speculative contact falls freely for that step, because its bodies do not touch yet.
 

@@ -1,9 +1,9 @@
 """Freezing of a free body in MuJoCo, shared by the port and by the suite's adapter.
 
 MuJoCo cannot make a body static. Each body therefore has a mocap body with the same geoms (its "ghost"). A frozen body
-is parked: the body has no collisions, weight or cost, and the ghost collides at the body's pose. Nothing moves a mocap
-body, so that the drift is exactly zero. MuJoCo lists no contacts of ghosts with one another or with the ground, because
-MuJoCo counts a ghost as a part of the world body, like the ground.
+is parked: the body has no collisions and no weight, and the ghost collides at the body's pose. From MuJoCo 3.4.0 on a
+parked body also sleeps, so that it costs no time. No step moves a mocap body, so that the drift is exactly zero. MuJoCo
+lists no contacts of ghosts with one another or with the ground, because both are parts of the world body.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ class FreeBody:
         set_masks(self._model, self.body, self.geoms, contype, conaffinity)
 
     def park(self) -> None:
-        """Deactivate the body, so that it costs no time: it collides with nothing, has no weight and sleeps."""
+        """Park the body: remove its collisions and its weight, and let it sleep if MuJoCo has sleeping."""
         self.stop()
         none = np.zeros(len(self.geoms), np.int64)
         self.collide(none, none)

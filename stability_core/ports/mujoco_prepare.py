@@ -1,4 +1,4 @@
-"""``prepare``: add the ghosts of free bodies to a model before it is compiled."""
+"""``prepare``: add the ghosts of free bodies to a model before its compilation."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ _COPIED = (
 
 
 def prepare(spec: Spec, bodies: Collection[str] | None = None) -> Spec:
-    """Add to a model what the extension needs to freeze bodies; call this function before ``spec.compile()``.
+    """Add ghosts to a model, so that the extension can freeze bodies; call this before ``spec.compile()``.
 
-    Each controlled body gets a ghost: an invisible mocap body with the same geoms, which collides only while the body
-    is frozen. Other bodies, joints, actuators and sensors keep their ids and their motions. A frozen body must be able
-    to sleep. The function therefore enables MuJoCo's sleeping, but for frozen bodies only, unless the model has enabled
-    sleeping.
+    Each controlled body gets a ghost: an invisible mocap body with the same geoms. The ghost collides only while the
+    body is frozen. Other bodies, joints, actuators and sensors keep their ids and their motions. A frozen body must be
+    able to sleep. The function therefore enables MuJoCo's sleeping, but for frozen bodies only, unless the model has
+    enabled sleeping.
 
     Args:
         spec: the model.
@@ -38,7 +38,7 @@ def prepare(spec: Spec, bodies: Collection[str] | None = None) -> Spec:
         The same model.
 
     Raises:
-        ValueError: if a body is unknown or cannot freeze, no body can, or the model has ghosts already.
+        ValueError: if a body is unknown or cannot freeze, if no body can freeze, or if the model has ghosts already.
     """
     if any(body.name.endswith(SUFFIX) for body in spec.bodies):
         raise ValueError(
@@ -82,7 +82,7 @@ def _checked(spec: Spec, name: str) -> Any:
 
 
 def _reason_against(spec: Spec, body: Any) -> str | None:
-    """Return why a body cannot freeze; None if it can."""
+    """Return why a body cannot freeze; None if it can freeze."""
     if body.mocap or [joint.type for joint in body.joints] != [mujoco.mjtJoint.mjJNT_FREE]:
         return "has no free joint as its only joint: prepare free bodies only, because robots are left alone"
     if body.bodies:
@@ -99,7 +99,7 @@ def _reason_against(spec: Spec, body: Any) -> str | None:
 
 
 def _let_frozen_sleep(spec: Spec) -> None:
-    """Enable MuJoCo's sleeping for frozen bodies only, unless the model has enabled it for all."""
+    """Enable MuJoCo's sleeping for frozen bodies only, unless the model has enabled sleeping."""
     flag = mujoco.mjtEnableBit.mjENBL_SLEEP.value
     if spec.option.enableflags & flag:
         return
@@ -118,7 +118,7 @@ def _roots(parent: Any) -> Iterator[Any]:
 
 
 def _add_ghost(spec: Spec, body: Any) -> None:
-    """Add the ghost of a body, at the end of the world's bodies, so that the ids of other bodies stay."""
+    """Add the ghost of a body, at the end of the world's bodies, so that other bodies keep their ids."""
     body.gravcomp = body.gravcomp or TINY
     ghost = spec.worldbody.add_body(name=body.name + SUFFIX, mocap=True, pos=body.pos, quat=body.quat)
     for geom in body.geoms:

@@ -1,9 +1,10 @@
 """Differences between releases of MuJoCo, so that the port also runs on earlier releases.
 
-- 3.2.1 made the automatic reset of a diverged world optional. Before, such a world silently returns to its start.
-- 3.4.0 introduced sleeping. Before, a parked body costs time in every step, because it cannot sleep.
-- 3.5.0 added the gaps of two geoms. Before, the larger gap counted.
-- 3.9.0 lists contacts up to ``margin + gap``, with force from ``margin`` on. Before, MuJoCo listed contacts up to
+- 3.2.1 made the automatic reset of a diverged world optional. Earlier releases silently return a diverged world to its
+  start.
+- 3.4.0 introduced sleeping. In earlier releases a parked body costs time in every step, because it cannot sleep.
+- 3.5.0 added the gaps of two geoms. In earlier releases the larger gap counts.
+- 3.9.0 lists contacts up to ``margin + gap``, with force from ``margin`` on. Earlier releases list contacts up to
   ``margin``, with force from ``margin - gap`` on.
 - 4.0.0 introduced speculative contacts.
 """

@@ -81,7 +81,7 @@ class ObjectAttachment(Attachment):
         super().release(self._ids(bodies))
 
     def why(self, body: Any) -> str:
-        """Explain why a body is live, or why it is frozen: see ``StabilityExtension.why``."""
+        """Explain why a body is live, or why the core froze the body: see ``StabilityExtension.why``."""
         return super().why(self.id_of(body))
 
     def remove(self, bodies: Iterable[Any]) -> None:

@@ -4,12 +4,13 @@ Ids are PyBullet's body ids. The port controls free bodies without joints. All o
 platforms, and bodies that the user leaves out. An obstacle, or a link of an obstacle, that touches a controlled body
 counts as a body that the host moves. A plane counts as the ground.
 
-Contacts: Bullet lists penetrating points only; the port adds the missing corners of contact areas between boxes,
-cylinders, convex meshes and planes. The velocities before a step are the velocities after the previous update, so that
-approach speeds are exact if ``update`` follows each step. If several steps make a frame, approach speeds lack the fall
-of the frame.
+Contacts: Bullet lists penetrating points only. The port adds the missing corners of contact areas between boxes,
+cylinders, convex meshes and planes. The port uses the velocities after the previous update as the velocities before a
+step. Therefore approach speeds are exact if ``update`` follows each step. If several steps make a frame, approach
+speeds lack the fall of the frame.
 
-Bullet's own sleep is off for controlled bodies, because it does not end when a support is removed.
+Bullet's own sleep is off for controlled bodies, because a sleeping body does not wake when its support leaves the
+world.
 """
 
 from __future__ import annotations
@@ -86,7 +87,7 @@ class PybulletPort:
     # -- called by the attachment ------------------------------------------------------------------
 
     def gravity(self) -> tuple[float, float, float]:
-        """Return the world's gravity [m/s2] at the latest ``begin_update``, or when the port was opened."""
+        """Return the world's gravity [m/s2] at the latest ``begin_update``, or at the opening of the port."""
         return self._gravity
 
     def _read_parameters(self) -> dict[str, Any]:
@@ -166,7 +167,7 @@ class PybulletPort:
         )
 
     def masses(self) -> Masses:
-        """Return the live bodies and the obstacles, whose mass is infinite."""
+        """Return the live bodies, and the obstacles of infinite mass."""
         ids, rows = self._ids, self._rows
         if not len(ids) and not self._bodies.live:
             self._before = None

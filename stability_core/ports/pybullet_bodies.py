@@ -71,7 +71,7 @@ class PybulletBodies:
         self.movers = [body for body in others if body not in self.live and self._can_move(body)]
 
     def reason_against(self, body: int) -> str | None:
-        """Return why a body of the world cannot freeze; None if it can."""
+        """Return why a body of the world cannot freeze; None if it can freeze."""
         if pybullet.getNumJoints(body, self._client):
             return "has joints: list free bodies only, because the extension leaves robots alone"
         if not pybullet.getDynamicsInfo(body, _BASE, self._client)[_MASS] > 0.0:
@@ -82,7 +82,7 @@ class PybulletBodies:
         """Control a free body.
 
         Raises:
-            ValueError: if the body does not exist, is static, has joints, or is controlled already.
+            ValueError: if the body does not exist, is static, has joints, or has been added already.
         """
         present = [
             pybullet.getBodyUniqueId(index, self._client) for index in range(pybullet.getNumBodies(self._client))
@@ -116,14 +116,14 @@ class PybulletBodies:
         self._removed.append(body)
 
     def freeze(self, body: int) -> None:
-        """Record that a live body is frozen, with the mass and inertia that Bullet is about to forget."""
+        """Record a live body as frozen, with its mass and inertia, because Bullet will forget both."""
         info = pybullet.getDynamicsInfo(body, _BASE, self._client)
         del self.live[body]
         self.frozen[body] = Inertia(info[_MASS], info[_INERTIA])
         self._places[body] = pybullet.getBasePositionAndOrientation(body, self._client)
 
     def unfreeze(self, body: int) -> Inertia:
-        """Record that a frozen body is live; return its mass and inertia."""
+        """Record a frozen body as live; return its mass and inertia."""
         kept = self.live[body] = self.frozen.pop(body)
         return kept
 

@@ -4,14 +4,14 @@ The port controls dynamic bodies without joints. All other bodies are obstacles:
 with joints, and bodies that the user leaves out. The shapes of ``space.static_body`` are the ground. The port numbers
 the bodies; the attachment's methods accept ``pymunk.Body``.
 
-Plane: pymunk's axes x and y are the core's axes x and z. A contact point represents a line across the plane, as long as
-the reach of the smaller body, and the port lists both ends. Units are the space's own, because the core counts lengths
-in sizes of a body. Where a docstring says metre, read the unit of the space, for example a pixel.
+Plane: pymunk's axes x and y are the core's axes x and z. A contact point represents a line across the plane. The line
+is as long as the reach of the smaller body, and the port lists both ends. Units are the space's own, because the core
+counts lengths in sizes of a body. Where a docstring says metre, read the unit of the space, for example a pixel.
 
-Contacts: Chipmunk lists overlapping pairs. Chipmunk lists no contact between a kinematic and a frozen body, so that the
-port queries the shapes of kinematic and static bodies that have moved. Chipmunk lists an impact only in the step that
-has solved it, so that the port looks ahead of fast bodies. The port uses the velocities after the previous update as
-the velocities before a step. If several steps make a frame, approach speeds lack the fall of the frame. While all
+Contacts: Chipmunk lists overlapping pairs. Chipmunk lists no contact between a kinematic and a frozen body. Therefore
+the port queries the shapes of kinematic and static bodies that have moved. Chipmunk lists an impact only in the step
+that has solved it, so that the port looks ahead of fast bodies. The port uses the velocities after the previous update
+as the velocities before a step. If several steps make a frame, approach speeds lack the fall of the frame. While all
 bodies are frozen, the port reads the space less often.
 """
 
@@ -209,7 +209,7 @@ class PymunkPort:
         return Contacts(bodies.ids[a], bodies.ids[b], points, normals, separations, velocities, friction)
 
     def masses(self) -> Masses:
-        """Return the live bodies and the obstacles, whose mass is infinite."""
+        """Return the live bodies, and the obstacles of infinite mass."""
         bodies = self._bodies
         is_calm = self._quiet_s > CALM_S or not (bodies.live or bodies.touched or self._dropped)
         if is_calm and not bodies.has_news():

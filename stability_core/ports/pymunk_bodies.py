@@ -111,7 +111,7 @@ class PymunkBodies:
         self._build_rows()
 
     def reason_against(self, planar: pymunk.Body) -> str | None:
-        """Return why a body of the space cannot freeze; None if it can."""
+        """Return why a body of the space cannot freeze; None if it can freeze."""
         if any(joint in self._space.constraints for joint in planar.constraints):
             return "has joints: list free bodies only, because the extension leaves jointed bodies alone"
         if planar.body_type != pymunk.Body.DYNAMIC and planar not in self.frozen:
@@ -123,7 +123,7 @@ class PymunkBodies:
 
         Raises:
             TypeError: if ``planar`` is no body of pymunk.
-            ValueError: if the body is not in the space, cannot freeze, or is controlled already.
+            ValueError: if the body is not in the space, cannot freeze, or that the port controls already.
         """
         if not isinstance(planar, pymunk.Body):
             raise TypeError(f"the port to pymunk controls pymunk.Body, got {type(planar).__name__}: pass bodies")

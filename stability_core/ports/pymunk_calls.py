@@ -1,15 +1,14 @@
 """Calls of pymunk for freezing, shared by the port and by the suite's adapter.
 
-Freezing: the body stops and becomes static. Nothing moves it by a single bit. A body that becomes dynamic again
-has lost its mass and moment of inertia, so that the caller sets both.
+Freezing: the body stops and becomes static. No step of Chipmunk changes a bit of its pose. A body that becomes dynamic
+again has lost its mass and moment of inertia, so that the caller sets both.
 
 Traps:
 
 - A static body keeps the pending correction of its overlap (``v_bias``), which would move the body after
   ``unfreeze``. An integration over a time of 0 clears the correction.
 - Chipmunk keeps the arbiters (contact records) of two static bodies for ever. Other contacts soon reuse the memory of
-  their points.
-  ``forget_pairs`` deletes the arbiters.
+  their points. ``forget_pairs`` deletes the arbiters.
 - A change of the body type in a callback of a step aborts the process.
 """
 

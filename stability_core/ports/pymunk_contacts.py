@@ -2,8 +2,8 @@
 
 The port and the suite's adapter share the kernels. See ``pymunk_reader`` for the rows.
 
-The functions are compiled, because a few dozen NumPy calls take ten times as long as Chipmunk's step of a frozen stack
-(some microseconds). Lengths are in engine units unless a docstring states another unit.
+Numba compiles the functions, because a few dozen NumPy calls take ten times as long as Chipmunk's step of a frozen
+stack (some microseconds). Lengths are in engine units unless a docstring states another unit.
 """
 
 from __future__ import annotations

@@ -104,10 +104,11 @@ class RapierWorld(FreeBodyWorld):
         return self._bodies.are_current(bodies)
 
     def rest(self) -> None:
-        """Take frozen bodies off Rapier's list of active bodies, one stage a call.
+        """Take frozen bodies off Rapier's list of active bodies, in three stages, one stage for a body in each call.
 
-        A body whose type has changed stays on the list, unless the body is kinematic and has been asleep for a step. A
-        kinematic body at rest keeps its place as a fixed body does.
+        A body whose type has changed stays on the list, unless the body is kinematic and has been asleep for a step.
+        Therefore a frozen body first becomes kinematic, then falls asleep, then becomes fixed. A kinematic body at rest
+        keeps its place as a fixed body does.
         """
         present = self._bodies.views.keys()
         for body in self._asleep & present:
@@ -123,7 +124,7 @@ class RapierWorld(FreeBodyWorld):
         return [*self._bodies.colliders]
 
     def reason_against(self, body: int) -> str | None:
-        """Return why a body that is not frozen cannot freeze, and the fix; None if it can."""
+        """Return why a body that is not frozen cannot freeze, and the fix; None if it can freeze."""
         view = self._bodies.views.get(body)
         if view is None or view.is_fixed:
             return "is fixed already: list dynamic bodies only"
@@ -164,7 +165,7 @@ class RapierWorld(FreeBodyWorld):
         return np.concatenate([lower, np.max([box.maxs.to_tuple() for box in boxes], axis=0, initial=-np.inf)])
 
     def is_kinematic(self, body: int) -> bool:
-        """Return True if the user moves the body, and the engine lists no contact with a frozen body."""
+        """Return True for a body that the user moves; the engine lists no contact between it and a frozen body."""
         return body in self._bodies.views and bool(self._bodies.views[body].is_kinematic)
 
     def is_mover(self, body: int) -> bool:
@@ -184,11 +185,11 @@ class RapierWorld(FreeBodyWorld):
         unfreeze(self._bodies.views[body])
 
     def step_contacts(self, concerns: Concerns, bodies: Set[int]) -> Touching:
-        """Return the contacts of the latest step that ``concerns`` names."""
+        """Return the contacts of the latest step that ``concerns`` selects."""
         return self._touching(self.world.narrow_phase, concerns, bodies)
 
     def present_contacts(self, concerns: Concerns, bodies: Set[int]) -> Touching:
-        """Return the contacts of the present poses that ``concerns`` names, without a change of the world."""
+        """Return the contacts of the present poses that ``concerns`` selects, without a change of the world."""
         copied = copy_of(self.world)
         stretch(copied)
         copied.detect_collisions()

@@ -105,7 +105,7 @@ class RapierBodies:
         """Return the frames, in the frames of bodies a and b, of the points that ``local_points`` returns.
 
         Returns:
-            None if all these frames are those of the bodies.
+            None if each frame equals the frame of its body.
         """
         if not self._frames:
             return None

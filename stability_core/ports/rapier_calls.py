@@ -1,13 +1,13 @@
 """Calls of Rapier for contacts and freezing, shared by the port and by the suite's adapter.
 
 Freezing: the body stops and becomes ``FIXED``. A body that becomes ``DYNAMIC`` again has the mass and inertia of its
-colliders. Rapier scales a body's quaternion to unit length when its type changes and in later steps. If single
-precision has no quaternion of exactly unit length nearby, each scaling changes a last bit, so that a freeze first
+colliders. Rapier scales a body's quaternion to unit length when its type changes and in later steps. Single precision
+may have no quaternion of exactly unit length nearby. Each scaling then changes a last bit, so that a freeze first
 settles the rotation (``rapier_rotation.py``).
 
 Contacts are points in the frames of the two colliders, detected at the start of the latest step or earlier: Rapier
-keeps a manifold, with an outdated distance, while the pair hardly moves. Points and normals therefore move with the
-bodies to the present poses, and the separation is measured there.
+keeps a manifold, with an outdated distance, while the pair hardly moves. Therefore the caller moves points and normals
+with the bodies to the present poses, and measures the separation there.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def stop(view: rapier3d.RigidBody) -> None:
 
 
 def copy_of(world: rapier3d.PhysicsWorld) -> rapier3d.PhysicsWorld:
-    """Return a copy of a world, whose colliders have the same handles, to detect collisions in.
+    """Return a copy of a world for the detection of collisions; its colliders have the same handles.
 
     ``detect_collisions`` in the world itself changed later poses, and once made the next step crash.
     """

@@ -14,8 +14,8 @@ Quaternion: TypeAlias = tuple[float, float, float, float]
 def settle_rotation(view: rapier3d.RigidBody) -> None:
     """Change a body's quaternion until Rapier's scaling to unit length no longer changes any bit.
 
-    One scaling is enough for most quaternions. Repeated scaling alone may run in a cycle, so that the function reduces
-    one component by its last bit between attempts, a different component each time.
+    One scaling is enough for most quaternions. Repeated scaling alone may run in a cycle. Therefore the function
+    reduces one component by its last bit between attempts, and takes another component each time.
     """
     components = itertools.cycle(range(4))
     while (scaled := _scaled_once(view)) is not None:

@@ -1,8 +1,10 @@
 """A port to a SAPIEN scene that the user owns, with PhysX 5 on the processor.
 
-Ids are SAPIEN's ``entity.per_scene_id``. The port controls free dynamic bodies. All other bodies are obstacles: links
-of articulations, kinematic and static bodies, bodies with drives or other joints, with locked axes or without gravity,
-and bodies that the user leaves out.
+Ids are SAPIEN's ``entity.per_scene_id``. The port controls free dynamic bodies. All other bodies are obstacles:
+
+- links of articulations, kinematic bodies and static bodies;
+- bodies with joints (drives are joints), with locked axes, or without gravity;
+- bodies that the user leaves out.
 
 Contacts: PhysX's own, and the missing corners of contact areas between boxes, standing cylinders, convex meshes and
 planes. The port changes no setting of the scene or of a live body.
@@ -115,7 +117,7 @@ class SapienWorld(FreeBodyWorld):
         return [*self._components]
 
     def reason_against(self, body: int) -> str | None:
-        """Return why a body that is not frozen cannot freeze, and the fix; None if it can."""
+        """Return why a body that is not frozen cannot freeze, and the fix; None if it can freeze."""
         part = self._components[body]
         if isinstance(part, physx.PhysxArticulationLinkComponent):
             return "is a link of an articulation: list free bodies only, because the extension leaves robots alone"
@@ -161,7 +163,7 @@ class SapienWorld(FreeBodyWorld):
         return corners
 
     def is_kinematic(self, body: int) -> bool:
-        """Return True if the user moves the body, and the engine lists no contact with a frozen body."""
+        """Return True for a body that the user moves; the engine lists no contact between it and a frozen body."""
         return self._is_dynamic(body) and bool(self._components[body].kinematic)
 
     def is_mover(self, body: int) -> bool:
@@ -179,11 +181,11 @@ class SapienWorld(FreeBodyWorld):
         unfreeze(self._components[body])
 
     def step_contacts(self, concerns: Concerns, bodies: Set[int]) -> Touching:  # noqa: ARG002
-        """Return the contacts of the latest step that ``concerns`` names."""
+        """Return the contacts of the latest step that ``concerns`` selects."""
         return _touching(listed_pairs(self.system.get_contacts(), self._ids.get, concerns), self.system.timestep)
 
     def present_contacts(self, concerns: Concerns, bodies: Set[int]) -> Touching:  # noqa: ARG002
-        """Return the contacts of the present poses that ``concerns`` names, without a change of the world."""
+        """Return the contacts of the present poses that ``concerns`` selects, without a change of the world."""
         with present_contacts(self._components) as (contacts, ids):
             return _touching(listed_pairs(contacts, ids.get, concerns), INSTANT_S)
 

@@ -1,7 +1,7 @@
 """Calls of SAPIEN for contacts and freezing in PhysX 5, shared by the port and by the suite's adapter.
 
-Freezing: the body becomes kinematic. Nothing moves a kinematic body by a single bit, and PhysX does not collide it with
-the ground or with another kinematic body. Unfreezing makes the body dynamic again, at rest and awake.
+Freezing: the body becomes kinematic. No step of PhysX changes a bit of the pose of a kinematic body, and PhysX does not
+collide it with the ground or with another kinematic body. Unfreezing makes the body dynamic again, at rest and awake.
 SAPIEN's ``put_to_sleep`` does not freeze a body, because the first touch wakes it.
 
 PhysX lists points with a gap of up to the sum of both shapes' contact offsets. Normals point from the second body to
@@ -47,14 +47,14 @@ def stop(component: Component) -> None:
 def listed_pairs(
     contacts: Iterable[Any], body_of: Callable[[Component], int | None], concerns: Callable[[int, int], bool]
 ) -> Iterator[Listed]:
-    """Yield the pairs that have a point and that ``concerns`` names, by rising ids.
+    """Yield the pairs that have a point and that ``concerns`` selects, by rising ids.
 
-    SAPIEN lists pairs in the order of memory addresses. The order matters, because friction forces are added pair by
-    pair: another order changes their last bits.
+    SAPIEN lists pairs in the order of memory addresses. The order matters, because the port adds friction forces pair
+    by pair, and another order changes the last bits of the sum.
 
     Args:
         contacts: contacts of a ``PhysxCpuSystem``.
-        body_of: returns the id of a component; None for a body that was removed after the latest step.
+        body_of: returns the id of a component; None for a body that left the scene after the latest step.
         concerns: returns True if the port needs the contacts of two bodies.
     """
     wanted = []

@@ -30,14 +30,15 @@ def fastest_approach(
     """Return velocities of b relative to a at n contact points, before the substep with the fastest approach.
 
     Args:
-        before: motions in the frame; None if they were not recorded.
+        before: motions in the frame; None without a record.
         a: first bodies, shape (n,).
         b: second bodies, shape (n,).
         point: contact points [m], shape (n, 3).
         normal: unit normals from a to b, shape (n, 3).
-        noise: margin [m/s] by which an approach must be faster to replace the approach of an earlier substep. For
-            bodies at rest, whose approaches differ only by the solver's noise, the margin keeps the first substep,
-            because only the first substep shows the slip of a support before friction stops the slip.
+        noise: margin [m/s] by which an approach must be faster to replace the approach of an earlier substep. The
+            approaches of bodies at rest differ only by the solver's noise, so that the margin keeps the first substep.
+            The first substep matters, because later substeps do not show the slip of a support that friction has
+            stopped.
 
     Returns:
         Velocities [m/s], shape (n, 3); NaN if the frame has no recorded motions, for example without live bodies.
@@ -67,7 +68,7 @@ def _fastest(
 ) -> None:
     """Write the velocities that ``fastest_approach`` returns into ``chosen`` (n, 3).
 
-    The function is compiled, because a dozen NumPy calls take longer than an engine's step.
+    Numba compiles the function, because a dozen NumPy calls take longer than an engine's step.
     """
     for row in range(len(point)):
         x, y, z = point[row]

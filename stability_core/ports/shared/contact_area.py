@@ -8,7 +8,7 @@ lists. With heights along the normal:
 2. Project both sets along the normal. Their convex hulls are the faces, edges or vertices that face each other.
 3. Intersect the hulls. The corners of the intersection are the corners of the contact area.
 4. Fit a plane to the heights of each set. The gap at a corner differs from the gap at the listed point by the
-   difference of the planes, so that an engine's collision margin cancels out.
+   difference of the planes. Therefore an engine's collision margin cancels out.
 
 The result includes a corner only if its gap is about the gap of the deepest listed point. A body without vertices is a
 half space, such as the ground.

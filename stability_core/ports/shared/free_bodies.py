@@ -59,7 +59,8 @@ class FreeBodies:
         """Follow the world through a frame of ``dt`` [s], and find the frozen bodies that the host has moved.
 
         Returns:
-            The next live body, in turn, if it can no longer freeze, for example because the user has added a joint.
+            A list with the next live body, in turn, if this body can no longer freeze, for example because of a new
+            joint; otherwise an empty list.
         """
         self._look_s += dt
         self.has_looked = self._look_s >= LOOK_S or dt == 0.0
@@ -92,7 +93,7 @@ class FreeBodies:
         """Control free bodies.
 
         Raises:
-            ValueError: for a body that does not exist, cannot freeze, or is controlled already.
+            ValueError: for a body that does not exist, cannot freeze, or that the port controls already.
         """
         self.follow()
         for body in bodies:

@@ -1,8 +1,8 @@
 """``FreeBodyPort``: a port to a user's world of free rigid bodies, whatever the engine.
 
 Bodies that the port does not control are obstacles. An obstacle that touches a controlled body counts as a body that
-the host moves; a half space counts as the ground. The port uses the velocities after the previous update as the
-velocities before a step, so that approach speeds are exact if ``update`` follows each step. If several steps make a
+the host moves. A half space counts as the ground. The port uses the velocities after the previous update as the
+velocities before a step. Therefore approach speeds are exact if ``update`` follows each step. If several steps make a
 frame, approach speeds lack the fall of the frame.
 
 The engines do not collide a frozen body with a kinematic body. The port therefore unfreezes the frozen bodies beside a
@@ -68,7 +68,7 @@ class FreeBodyPort:
         return self._world.gravity()
 
     def begin_update(self, dt: float) -> list[int]:
-        """Follow bodies that come and go, and check the time; return bodies that turned, or may be pushed.
+        """Follow the world, and check the time; return turned obstacles, and frozen bodies beside kinematic movers.
 
         Raises:
             ValueError: if the world contradicts ``dt``, or a pose is not finite.
@@ -86,7 +86,7 @@ class FreeBodyPort:
         """Control free bodies.
 
         Raises:
-            ValueError: for a body that does not exist, cannot freeze, or is controlled already.
+            ValueError: for a body that does not exist, cannot freeze, or that the port controls already.
         """
         self._bodies.add(bodies)
 
@@ -122,7 +122,7 @@ class FreeBodyPort:
         return self._bodies.shapes.completed(contacts)
 
     def masses(self) -> Masses:
-        """Return the live bodies, the obstacles, whose mass is infinite, and frozen bodies that the host has moved."""
+        """Return the live bodies, the obstacles (of infinite mass), and frozen bodies that the host has moved."""
         bodies, removed = self._bodies, self._bodies.take_removed()
         if bodies.has_new_obstacle:
             self._read_motions()

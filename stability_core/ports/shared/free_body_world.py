@@ -71,7 +71,7 @@ class FreeBodyWorld(ABC):
 
     @abstractmethod
     def reason_against(self, body: int) -> str | None:
-        """Return why a body that is not frozen cannot freeze, and the fix; None if it can."""
+        """Return why a body that is not frozen cannot freeze, and the fix; None if it can freeze."""
 
     @abstractmethod
     def mass(self, body: int) -> float:
@@ -91,7 +91,7 @@ class FreeBodyWorld(ABC):
 
     @abstractmethod
     def is_kinematic(self, body: int) -> bool:
-        """Return True if the user moves the body, and the engine lists no contact with a frozen body."""
+        """Return True for a body that the user moves; the engine lists no contact between it and a frozen body."""
 
     @abstractmethod
     def is_mover(self, body: int) -> bool:
@@ -107,7 +107,7 @@ class FreeBodyWorld(ABC):
 
     @abstractmethod
     def step_contacts(self, concerns: Concerns, bodies: Set[int]) -> Touching:
-        """Return the contacts of the latest step that ``concerns`` names.
+        """Return the contacts of the latest step that ``concerns`` selects.
 
         Args:
             concerns: returns True if the port needs the contacts of two bodies.
@@ -117,4 +117,4 @@ class FreeBodyWorld(ABC):
 
     @abstractmethod
     def present_contacts(self, concerns: Concerns, bodies: Set[int]) -> Touching:
-        """Return the contacts of the present poses that ``concerns`` names, without a change of the world."""
+        """Return the contacts of the present poses that ``concerns`` selects, without a change of the world."""

@@ -98,7 +98,7 @@ class FreeFlight:
 
         Args:
             bodies: ids, shape (n,).
-            flying: bodies without contacts in this and the previous frame, shape (n,).
+            flying: mask of the bodies without contacts in this and the previous frame, shape (n,).
             way: ways since the previous update [m], shape (n, 3).
             before: velocities after the previous update [m/s], shape (n, 3).
             now: velocities [m/s], shape (n, 3).

@@ -1,19 +1,19 @@
 """Friction forces for engines that report normal forces only, from the bodies' change of momentum.
 
-Body i has mass m_i, and velocity v_i' before and v_i after a frame of length T. The sum f_i of its contact forces, the
-friction t_c of its contacts c across their normals n_c, the engine's normal forces N_c, gravity g and the coefficients
-mu of friction satisfy
+Body i has the mass m_i, the velocity v_i' before a frame of length T, and the velocity v_i after the frame. f_i is the
+sum of the contact forces on body i. Contact c has the normal n_c, the coefficient of friction mu, the engine's normal
+force N_c, and the unknown friction t_c across n_c. With the gravity vector g:
 
-    f_i = m_i (v_i - v_i') / T - m_i g - (steady forces)
+    f_i = m_i (v_i - v_i') / T - m_i g
     sum over c of +-t_c = f_i - sum over c of +-N_c n_c      for every live body i
     minimise  sum over c of |t_c|^2 / (mu N_c),              then  |t_c| <= mu N_c
 
 with + if body i is body b of contact c, and - if body i is body a.
 
-In a column the balance determines the friction of each pair of bodies. For a body on several supports the balance
-does not determine the friction; the minimum then shares friction in proportion to the loads. The module neglects
-torques about the normal. Conjugate gradients (CGLS), started from zero, find the least-squares solution
-of smallest norm.
+In a column the balance determines the friction of each pair of bodies. For a body on several supports the balance does
+not determine the friction. The minimum then shares friction in proportion to the loads. The module neglects torques
+about the normal, and forces that the host applies. Conjugate gradients (CGLS), started from zero, find the
+least-squares solution of smallest norm.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ def _add_friction(
 ) -> None:
     """Add friction to the normal forces in ``force`` (n, 3) [N].
 
-    ``left`` (m, 3) [N] is the sum of contact forces on each live body; the function overwrites ``left`` by the
+    ``left`` (m, 3) [N] is the sum of contact forces on each live body. The function overwrites ``left`` by the
     residual.
     """
     n = len(force)
