@@ -1,4 +1,4 @@
-"""Exact statics: the forces that hold a snapshot of the world, or the motion in which the snapshot falls."""
+"""Exact statics of a snapshot of the world: contact forces that hold the bodies, or a motion in which bodies fall."""
 
 from stability_core.equilibrium.snapshot import Equilibrium, solve_equilibrium
 

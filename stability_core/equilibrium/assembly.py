@@ -1,4 +1,4 @@
-"""Assemble the statics problem of a part of the stack, with the action of all other bodies on this part."""
+"""Assemble the statics problem of a part of the stack, with the action of all other bodies of the stack."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ ABSENT_OUTSIDE, AS_BEFORE, FIXED = 0, 1, 2
 
 - ABSENT_OUTSIDE: none, as if the rest were absent;
 - AS_BEFORE: the kept forces;
-- FIXED: rigid support, as if the rest were ground, so that a body that falls then also falls in the whole stack.
+- FIXED: rigid support, as if the rest were ground. A body that falls on this support also falls in the whole stack,
+  because fixed bodies withstand more than free bodies.
 """
 
 
@@ -38,23 +39,25 @@ class Terms(NamedTuple):
 
 
 class Part(NamedTuple):
-    """A statics problem, with the body and the patch of each row."""
+    """A statics problem, with the ids of its bodies and the rows of its patches."""
 
     problem: Problem
     """The problem; its bodies are in the order of ``ids``."""
     ids: IntArray
     """The bodies, shape (n,)."""
     level: BoolArray
-    """Mask of the contacts that can carry a vertical force, shape (m,)."""
+    """Mask of the load-bearing contacts, shape (m,)."""
     patches: IntArray
     """Rows of the patches, shape (p,). Their vertices, in this order, are the contacts."""
     size: FloatArray
-    """Size of each body [m], by which moments are divided, shape (n,)."""
+    """Size of each body [m], shape (n,). Moments and levers are in units of this size."""
 
 
 @compiled
 def _patches_of(graph: Graph, ids: IntArray, index: IntArray, outside: int) -> tuple[IntArray, int, IntArray]:
-    """Return the patches that join the bodies ``ids`` to each other, to the ground, and to all other frozen bodies.
+    """Return the patches that join the bodies ``ids`` to each other, to the ground, and to other frozen bodies.
+
+    With ABSENT_OUTSIDE, the function omits patches between a body of ``ids`` and another frozen body.
 
     Returns:
         Three values:
@@ -97,7 +100,7 @@ def _patches_of(graph: Graph, ids: IntArray, index: IntArray, outside: int) -> t
 def _lever(graph: Graph, at: int, vertex: int, margin: float, body: int, lever: FloatArray) -> float:
     """Write the lever from a body's centre to a vertex of patch ``at``; return the length [m] of the lever.
 
-    The ``margin`` [sizes] shifts the vertex outward from the patch's centre.
+    The ``margin`` [sizes] shifts the vertex horizontally, outward from the patch's centre.
     """
     patch = graph.patches[at]
     outward = np.hypot(patch.vertex[vertex, 0] - patch.center[0], patch.vertex[vertex, 1] - patch.center[1])
@@ -150,7 +153,7 @@ def _add_kept_forces(
 
 @compiled
 def _divide(lever: FloatArray, body: IntArray, size: FloatArray) -> None:
-    """Divide levers (m, 3) by the sizes (n,) of their bodies (m,)."""
+    """Divide each ``lever`` (m, 3) by the ``size`` (n,) of its ``body`` (m,)."""
     for c in range(len(lever)):
         if body[c] >= 0:
             lever[c] /= size[body[c]]

@@ -1,12 +1,12 @@
-"""Displace bodies on compliant contacts under their loads, by Newton's method for one kappa.
+"""Displace bodies on compliant contacts under their loads, by Newton's method for one value of kappa.
 
 See ``loading`` for the symbols, the contact law and the equation. A solution exists for every kappa, because contact
 forces do no positive work. Friction that grows with the pressure makes the derivative unsymmetric, so that halved steps
 may end in a local minimum of the imbalance. Rounds of friction bounds continue the search from this minimum:
 
 1. The latest forces bound each contact's friction (Tresca's law).
-2. The method displaces the bodies with these bounds. The solution is the minimum of a convex energy, except for
-   NORMAL_NOISE.
+2. The method displaces the bodies with these bounds. Without the term NORMAL_NOISE, the solution is the minimum of a
+   convex energy.
 3. The search with Coulomb's law starts again from the result.
 
 Reference: N. Kikuchi, J. T. Oden, "Contact problems in elasticity", SIAM 1988, chapter 10, for the fixed point.
@@ -24,16 +24,17 @@ from stability_core.equilibrium.problem import Problem, along_contacts, imbalanc
 from stability_core.port import FloatArray, IntArray
 
 NORMAL_NOISE = 1e-2
-"""Closure of a contact, per length of slip [rad], that causes no pressure, because engines and single precision err by
-1e-3 rad in normals and by 1e-4 m in the points of bricks of some centimetres. The value is three standard deviations of
-both errors."""
+"""Ratio [rad] of closure to slip, up to which a closing contact has no pressure. Engines and single precision err by
+1e-3 rad in normals, and by 1e-4 m in the points of bricks of some centimetres. The value is three standard deviations
+of both errors."""
 COULOMB = -1.0
 """Value of ``Case.bound`` for Coulomb's law: the bound on friction is proportional to the pressure."""
 CONVERGED = 1e-7
-"""Imbalance of a body, over its weight, up to which displacements count as a solution."""
+"""Imbalance of a body, over its weight, up to which displacements count as a solution. The value is a hundred times the
+rounding error of the forces (see ``loading.KAPPA``)."""
 NEWTON_STEPS = 40
-"""Greatest number of steps from zero displacement, because standing stacks take 3 to 20 steps, and an arch of 200
-blocks takes 30 steps."""
+"""Greatest number of Newton steps from zero displacement, because standing stacks take 3 to 20 steps, and an arch of
+200 blocks takes 30 steps."""
 ROUNDS = 20
 """Greatest number of rounds of friction bounds, because courses of touching bricks for which Newton's method fails
 take 1 to 4 rounds from the last kappa with a solution."""
@@ -42,10 +43,10 @@ STALLS = 20
 of these steps before longer steps succeed again."""
 SHORTEST_STEP = 1e-3
 ENOUGH = 0.1
-"""Ratio of the least relative reduction of the imbalance by a step to the step length."""
+"""Least relative reduction of the imbalance by a step, over the step length."""
 ROLLING = 1e3
-"""Inverse of the rotation of a rolling body from which the whole slack of the body resists the rotation. This rotation
-is a thousandth of the displacement of one contact under the mean weight."""
+"""Inverse of the rotation at which the whole slack of a rolling body resists. This rotation is a thousandth of the
+displacement of one contact under the mean weight."""
 TINY = 1e-300
 """Value that replaces a displacement of zero in a division."""
 ROTATIONAL = 1.0 / 3.0
@@ -70,13 +71,14 @@ class Case(NamedTuple):
 
 @compiled
 def contact_law(case: Case, v: FloatArray, force: FloatArray, tangent: FloatArray) -> None:
-    """Evaluate the contact law: the force on the second body at each contact, and its decrease as ``v`` grows.
+    """Evaluate the contact law: the force on the second body at each contact, and its derivative.
 
     Args:
         case: a case with m contacts.
         v: relative displacements of the second body against the first, shape (m, 3).
         force: output, the forces, shape (m, 3).
-        tangent: output, C = -df/dv, shape (m, 3, 3). A contact without pressure and motion counts as sticking.
+        tangent: output, C = -d force / d v, shape (m, 3, 3). A contact with zero pressure and zero slip
+            counts as sticking.
     """
     problem, stiffness = case.problem, case.stiffness
     e, row, column = np.empty(3), np.empty(3), np.empty(3)
@@ -186,10 +188,10 @@ def _assemble(
 
 @compiled
 def _unbalanced(problem: Problem, inertia: FloatArray, u: FloatArray, force: FloatArray, rest: FloatArray) -> float:
-    """Write the imbalance of each body to ``rest`` (n, 6); return the norm of the rests times kappa over the weights.
+    """Write the imbalance of each body to ``rest`` (n, 6); return the norm of the rests, times kappa over the weights.
 
     The imbalance is A f - w - M u / kappa. For a rolling body, the imbalance also contains the moment with which the
-    slack of the body resists the rotation.
+    slack of the body resists its rotation.
     """
     imbalance(problem, force, rest)
     total = 0.0
@@ -257,7 +259,7 @@ def displace(case: Case, kappa: float, most: int, u: FloatArray) -> tuple[bool, 
 
         - True if the function found the solution;
         - the ratio of each body's sensitivity to its displacement, shape (n,). Without a solution, the value is 1 for
-          unbalanced bodies, and 0 for other bodies. If each body alone is balanced, the value is 1 for all bodies.
+          unbalanced bodies, and 0 for other bodies. If every body is balanced, the value is 1 for all bodies.
     """
     problem, envelope = case.problem, case.envelope
     n, m = len(problem.load), len(problem.normal)
@@ -268,7 +270,7 @@ def displace(case: Case, kappa: float, most: int, u: FloatArray) -> tuple[bool, 
     along_contacts(problem, u, v)
     contact_law(case, v, force, tangent)
     error = _unbalanced(problem, inertia, u, force, rest)
-    enough = CONVERGED * kappa  # the error is measured in M / kappa
+    enough = CONVERGED * kappa  # M / kappa is the unit of the error
     stalls = 0
     for steps in range(most + 1):
         if error > enough or steps == 0:
@@ -304,7 +306,8 @@ def displace(case: Case, kappa: float, most: int, u: FloatArray) -> tuple[bool, 
 def displace_in_rounds(case: Case, kappa: float, u: FloatArray) -> tuple[bool, FloatArray]:
     """Find the solution of ``displace`` by rounds of friction bounds, for cases in which Newton's method alone fails.
 
-    Before and after the call, ``case.bound`` holds ``COULOMB``.
+    The function returns the same two values as ``displace``. Before and after the call, ``case.bound`` holds
+    ``COULOMB``.
     """
     v, force = np.empty((len(case.bound), 3)), np.empty((len(case.bound), 3))
     tangent = np.empty((len(case.bound), 3, 3))

@@ -12,12 +12,14 @@ from stability_core.stack import FROZEN, NONE, SUPPORT, Graph
 
 @compiled
 def component(graph: Graph, seeds: IntArray, members: IntArray) -> IntArray:
-    """Return all bodies that patches join to the ``seeds``, directly or indirectly, shape (k,): O(k).
+    """Return the ``seeds``, and all bodies that patches join to the seeds, directly or indirectly, shape (k,): O(k).
+
+    The search passes through frozen bodies and through ``members``.
 
     Args:
         graph: the stack.
         seeds: first bodies, shape (n,).
-        members: live bodies that count as if they were frozen, shape (m,).
+        members: live bodies that count as frozen, shape (m,).
     """
     bodies = graph.bodies
     joins = np.zeros(len(bodies), np.bool_)
@@ -63,14 +65,14 @@ def bearing(graph: Graph, memory: Memory, seeds: IntArray, members: IntArray, gr
     """Return the bodies for which a change of the ``seeds`` requires new contact forces: O(result).
 
     The result contains the seeds and all bodies that bear the seeds, down to the ground. The result also contains each
-    body beside or above these bodies, if its kept forces do not balance. All other forces may stay. If new forces
+    body beside or above these bodies, if its kept forces do not balance. All other kept forces may stay. If new forces
     balance the bodies of the result under the kept forces on their border, the whole stack is in balance.
 
     Args:
         graph: the stack.
         memory: the kept forces.
         seeds: bodies with a changed load or changed contacts, frozen or among the members, shape (n,).
-        members: live bodies that count as if they were frozen, shape (m,).
+        members: live bodies that count as frozen, shape (m,).
         gravity: gravitational acceleration [m/s2], positive.
     """
     bodies, patches = graph.bodies, graph.patches

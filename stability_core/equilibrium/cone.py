@@ -1,7 +1,8 @@
 """The Coulomb cone |f_t| <= mu f_n of a contact: the projection onto the cone, and the derivative of the projection.
 
-The cone is exact: no pyramid replaces it. The same code serves forces of a known direction, because with mu = 0 the
-cone is the ray along the normal.
+A force f has the normal component f_n and the tangential component f_t. mu is the coefficient of friction. No pyramid
+replaces the cone. The same code serves forces of a known direction, because with mu = 0 the cone is the ray along the
+normal.
 """
 
 from __future__ import annotations
@@ -16,10 +17,10 @@ from stability_core.port import FloatArray
 def project(z: FloatArray, normal: FloatArray, friction: FloatArray, force: FloatArray) -> None:
     """Write the projection of ``z`` onto each contact's cone to ``force``.
 
-    With z_n = z . n, t = |z - z_n n| and e the direction of the tangential part:
+    n is the unit normal, z_n = z . n, t = |z - z_n n|, and e is the direction of the tangential part z - z_n n:
 
     z                                                      inside the cone, t <= mu z_n
-    0                                                      inside its polar, mu t <= -z_n
+    0                                                      inside the polar cone, mu t <= -z_n
     s (n + mu e) with s = (z_n + mu t) / (1 + mu^2)        else
 
     Args:
@@ -48,13 +49,12 @@ def project(z: FloatArray, normal: FloatArray, friction: FloatArray, force: Floa
 def derivative(z: FloatArray, normal: FloatArray, mu: float, direction: FloatArray, weight: FloatArray) -> int:
     """Return the derivative of one contact's projection at ``z`` as a sum of k terms weight_k u_k u_k^T.
 
-    With the symbols of ``project``:
-
     identity                                               inside the cone
-    0                                                      inside its polar
+    0                                                      inside the polar cone
     w w^T + (mu s / t) (n x e) (n x e)^T                   else, with w = (n + mu e) / sqrt(1 + mu^2)
 
-    The apex counts as inside the cone, so that a search from zero includes every contact.
+    See ``project`` for the symbols. The apex counts as inside the cone, so that a search from zero includes every
+    contact.
 
     Args:
         z: point of evaluation, shape (3,).
@@ -96,7 +96,7 @@ def derivative(z: FloatArray, normal: FloatArray, mu: float, direction: FloatArr
 def add_derivative_along(
     z: FloatArray, normal: FloatArray, friction: FloatArray, dz: FloatArray, force: FloatArray
 ) -> None:
-    """Add the derivative of the projection at ``z``, along ``dz``, to ``force``; all arrays of shape (m, 3)."""
+    """Add the derivative of the projection at ``z`` (m, 3), along ``dz`` (m, 3), to ``force`` (m, 3)."""
     direction, weight = np.empty((3, 3)), np.empty(3)
     for c in range(len(z)):
         for k in range(derivative(z[c], normal[c], friction[c], direction, weight)):

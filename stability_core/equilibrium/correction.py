@@ -1,13 +1,13 @@
-"""Correct the nearly balanced forces of the previous frame, for instance after one more plank.
+"""Correct the kept forces of a nearly balanced stack, for instance after one more plank.
 
-See ``newton`` for the symbols. The cones K' are a little narrower than Coulomb's cones K. Of all forces in K' with
-A f = w, the forces nearest to the previous forces f0 are
+See ``newton`` for the symbols. The cones K' are narrower than Coulomb's cones K by the factor ``NARROWED``. Of all
+forces in K' with A f = w, the forces nearest to the kept forces f0 are
 
 f = P_K'(f0 + A^T y),    y minimises |P_K'(f0 + A^T y)|^2 / 2 - w . y.
 
 With the derivative D of the projection P_K', a step dy of Newton's method forecasts the forces f + D A^T dy. These
 forces balance, but may leave K'. As soon as these forces lie in K, they prove equilibrium, and the search ends before
-the minimum. The search often ends after one step, because the previous forces lie inside K', and K has room around K'.
+the minimum. The search needs few steps, because most kept forces lie inside K', and K has room around K'.
 If the search finds no forces of this kind, the search proves nothing.
 """
 
@@ -23,7 +23,7 @@ from stability_core.port import FloatArray, IntArray
 
 NARROWED = 0.97
 """Ratio of the friction of the cones K' to the true friction. A smaller value leaves more room, but fails for stacks
-that need a larger share of their friction."""
+that need more of their friction."""
 RHO = 1e-9
 """Weight of the proximal term, which keeps the system regular where contacts leave a motion free."""
 
@@ -48,9 +48,9 @@ def correct(
         Four values:
 
         - True if the forces hold all bodies;
-        - the forces, always in their cones, shape (m, 3);
+        - the forces, in their cones, shape (m, 3);
         - the unbalanced rest, shape (n, 6);
-        - the greatest imbalance of a body relative to the largest force on it.
+        - the greatest imbalance of a body relative to the largest force on it; infinite if the search fails.
     """
     n, m = len(problem.load), len(problem.normal)
     space = workspace_for(problem, rows)

@@ -1,7 +1,7 @@
 """Factors of the sparse matrices of a stack, in an envelope (skyline): each row from its first entry to the diagonal.
 
-In reverse Cuthill-McKee order the rows of a column, or of a wall of bounded width, have bounded length. Therefore a
-factorisation costs O(n) for n bodies. For a pile whose widest layer has w bodies a factorisation costs O(n w^2).
+In reverse Cuthill-McKee order, the row length of a stack grows with the number w of bodies in its widest layer. For n
+bodies, a factorisation costs O(n) in a column, and O(n w^2) in a pile.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from stability_core.compiled import compiled
 from stability_core.port import FloatArray, IntArray
 
 _summing = partial(compiled, fastmath={"reassoc", "contract"})
-"""Decorator that compiles a sum whose terms may be added in any order, so that the sum uses SIMD lanes."""
+"""Decorator for the function of a sum: the compiler may reorder the terms, so that the sum uses SIMD lanes."""
 
 
 class Envelope(NamedTuple):
@@ -31,7 +31,10 @@ class Envelope(NamedTuple):
 
 @compiled
 def _neighbours(body_a: IntArray, body_b: IntArray, n: int) -> tuple[IntArray, IntArray]:
-    """Return the start of each body's neighbours in a list, (n + 1,), and the list, perhaps with repeated pairs."""
+    """Return the start of each body's neighbours in a list, shape (n + 1,), and the list.
+
+    A neighbour may occur more than once.
+    """
     start = np.zeros(n + 1, np.int64)
     for fill in range(2):
         listed = np.empty(start[n] if fill else 0, np.int64)
@@ -59,7 +62,8 @@ def _neighbours(body_a: IntArray, body_b: IntArray, n: int) -> tuple[IntArray, I
 def _spread(start: IntArray, listed: IntArray, root: int, reached: IntArray, mark: int, order: IntArray) -> int:
     """Write the bodies reached from ``root`` to ``order``, breadth first; return their number.
 
-    Among the new neighbours of a body, bodies with fewer neighbours come first.
+    The function sets ``reached`` to ``mark`` for these bodies. Among the new neighbours of a body, bodies with fewer
+    neighbours come first.
     """
     order[0] = root
     reached[root] = mark
@@ -162,9 +166,10 @@ def _products(
 
 @compiled
 def factorize(matrix: FloatArray, envelope: Envelope) -> None:
-    """Replace a positive definite matrix by its Cholesky factor, with the inverse of the diagonal.
+    """Replace a positive definite matrix by its Cholesky factor.
 
-    The width of a block must be a multiple of 3, because the function works in tiles of 3 x 3.
+    The function stores the inverse of each diagonal entry of the factor. The number of rows for each body
+    must be a multiple of 3, because the function works in tiles of 3 x 3.
     """
     first, offset = envelope.first, envelope.offset
     tile = np.empty((3, 3))
@@ -194,7 +199,7 @@ def _dot(left: FloatArray, right: FloatArray) -> float:
 
 @compiled
 def substitute(factor: FloatArray, envelope: Envelope, x: FloatArray) -> None:
-    """Replace the right side ``x`` by the solution, with the factor of ``factorize``."""
+    """Replace the right side ``x`` by the solution of the linear system, with the factor of ``factorize``."""
     first, offset = envelope.first, envelope.offset
     n = len(first)
     for i in range(n):
@@ -237,7 +242,7 @@ def _finish_upper(lower: FloatArray, upper: FloatArray, offset: IntArray, j: int
 def _finish_diagonal(lower: FloatArray, upper: FloatArray, offset: IntArray, i: int, tile: FloatArray) -> None:
     """Finish L(i, i) and U(i, i) of a tile on the diagonal: subtract the products ``tile``, and factorize.
 
-    U(i, i) has the inverse of its diagonal.
+    For U(i, i), the function stores the inverse of each diagonal entry.
     """
     for b in range(3):
         for a in range(3):
@@ -253,11 +258,13 @@ def _finish_diagonal(lower: FloatArray, upper: FloatArray, offset: IntArray, i: 
 
 @compiled
 def factorize_general(lower: FloatArray, upper: FloatArray, envelope: Envelope) -> None:
-    """Replace a matrix with a symmetric pattern by its factors L and U; L has ones on its diagonal.
+    """Replace a matrix with a symmetric pattern by its factors L and U.
 
     In the envelope, ``lower`` holds the lower triangle by rows, and ``upper`` holds the upper triangle by columns, both
-    with the diagonal. U has the inverse of its diagonal. The function does not pivot. After a zero pivot the result is
-    wrong, and the caller must detect the error by the residual. The function works in tiles, as ``factorize`` does.
+    with the diagonal. L has ones on its diagonal. For U, the function stores the inverse of each diagonal entry.
+
+    The function does not pivot. After a zero pivot the result is wrong, and the caller must detect the error by the
+    residual. The function works in tiles, as ``factorize`` does.
     """
     first, offset = envelope.first, envelope.offset
     tile = np.empty((3, 3))
@@ -274,7 +281,7 @@ def factorize_general(lower: FloatArray, upper: FloatArray, envelope: Envelope) 
 
 @compiled
 def substitute_general(lower: FloatArray, upper: FloatArray, envelope: Envelope, x: FloatArray) -> None:
-    """Replace the right side ``x`` by the solution, with the factors of ``factorize_general``."""
+    """Replace the right side ``x`` by the solution of the linear system, with the factors of ``factorize_general``."""
     first, offset = envelope.first, envelope.offset
     n = len(first)
     for i in range(n):

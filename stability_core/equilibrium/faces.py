@@ -1,4 +1,4 @@
-"""Find the bodies of a snapshot that roll: bodies that touch only in points and lines.
+"""Find the rolling bodies of a snapshot: bodies that touch only in points and lines.
 
 A rigid sphere on a floor has one contact point. If rounding moves this point off the vertical through the centre, no
 force at the point balances the sphere. Therefore a moment of a rolling body may stay unbalanced: its weight times
@@ -15,7 +15,8 @@ from stability_core.port import BoolArray, FloatArray, IntArray
 NOISE = 1e-6
 """Ratio of a contact point's error to the size of the body: a few roundings of single precision."""
 FACE_COSINE = 0.985
-"""Cosine of the angle (10 deg) up to which the normals of one face may differ."""
+"""Cosine of the angle (10 deg) up to which the normals of one face may differ, because normals err by less (see
+``compliance.NORMAL_NOISE``)."""
 
 
 @compiled
@@ -53,7 +54,7 @@ def _mark_faces(
         body_b: second bodies, shape (m,).
         point: contact points [m], shape (m, 3).
         normal: unit normals, shape (m, 3).
-        tolerance: noise of each point [m], shape (m,).
+        tolerance: error of each point [m], shape (m,).
     """
     m = len(order)
     is_area = np.empty(m, np.bool_)
@@ -88,7 +89,7 @@ def rolling_bodies(
         index_b: second bodies, shape (m,).
         point: contact points [m], shape (m, 3).
         normal: unit normals from a to b, shape (m, 3).
-        size: size of each body [m], then the size of the ground, infinity, shape (n + 1,).
+        size: size of each body [m], then infinity for the ground, shape (n + 1,).
     """
     tolerance = NOISE * np.minimum(size[index_a], size[index_b])
     point, normal = np.ascontiguousarray(point, np.float64), np.ascontiguousarray(normal, np.float64)

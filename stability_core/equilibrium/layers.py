@@ -8,10 +8,10 @@ below.
 Proof: if contacts hold every cluster, the forces of all clusters lie in the Coulomb cones, balance all loads, and arise
 without prestress. The contacts of lower layers behave as if they were far stiffer than the contacts of higher layers.
 
-If contacts do not hold a cluster, a body on the cluster may hold it, for example a counterweight. The module then joins
-the cluster with the clusters on it, up to ``MOST_TOGETHER`` bodies. If contacts do not hold the joined cluster either,
-the bodies of the first cluster are loose. The clusters below then bear the forces of a known equilibrium in place of
-the forces of the loose bodies.
+If contacts do not hold a cluster, a body on the cluster may hold the cluster, for example a counterweight. The module
+then joins the cluster with the clusters on it, up to ``MOST_TOGETHER`` bodies. If contacts do not hold the joined
+cluster either, the bodies of the first cluster are loose. The clusters below then bear the forces of a known
+equilibrium in place of the forces of the loose bodies.
 """
 
 from __future__ import annotations
@@ -28,22 +28,27 @@ from stability_core.equilibrium.problem import Problem, add_wrench, along_contac
 from stability_core.port import BoolArray, FloatArray, IntArray
 
 SIDEWAYS = 0.17
-"""Sine of the slope of a normal up to which a contact joins bodies sideways: ten degrees, more than the noise of any
-normal."""
+"""Greatest vertical component of a unit normal at which a contact joins bodies sideways. The value is a slope of ten
+degrees, because normals err by less (see ``compliance.NORMAL_NOISE``)."""
 ALL_HELD, CYCLE = -1, -2
-"""Results of a sweep other than a cluster: all clusters are held or loose; or the rest lie on each other in a cycle."""
+"""Results of a sweep other than a cluster:
+
+- ALL_HELD: contacts hold all clusters that are not loose;
+- CYCLE: the clusters without loads lie on each other in a cycle.
+"""
 MOST_TOGETHER = 12
-"""Greatest number of bodies of a cluster that is joined with the clusters on it, because loading more bodies at once
+"""Greatest number of bodies of a cluster after its union with the clusters on it, because loading more bodies at once
 costs as much as ``loading``."""
 MOST_IN_CYCLE = 50
-"""Greatest number of bodies of a cluster that lie on each other in a cycle and are loaded together."""
+"""Greatest number of bodies in a cycle that the module loads together, which limits the cost. The bodies of a larger
+cycle count as loose."""
 LIGHTER = 0.5
-"""Ratio of the load of a body to its own weight, below which the cluster of the body counts as not held, because the
-body would hang on the bodies above it."""
+"""Ratio of the load of a body to its own weight, below which contacts do not hold the body's cluster, because the body
+would hang on the bodies above it."""
 
 
 class Layers(NamedTuple):
-    """The clusters of a problem, in layers: the upper and the lower body of each contact."""
+    """The clusters of a problem, with the upper and the lower body of each contact."""
 
     cluster: IntArray
     """Cluster of each body: the least index of its bodies, shape (n,)."""
@@ -184,7 +189,7 @@ def _load(part: Problem, members: IntArray, load: FloatArray, force: FloatArray)
             part.slack / unit,
         )
         loaded = Case(scaled, STIFFNESSES[case], bound, place, envelope)
-        if not displace_step_by_step(loaded, u, False).max() <= SENSITIVE:  # starts from the solution before
+        if not displace_step_by_step(loaded, u, False).max() <= SENSITIVE:  # starts from the solution of the last case
             return False
         along_contacts(scaled, u, v)
         contact_law(loaded, v, force[case], tangent)
@@ -234,7 +239,7 @@ def _sweep(problem: Problem, layers: Layers, known: FloatArray, loose: BoolArray
         layers: the clusters.
         known: forces with which loose bodies press, shape (m, 3).
         loose: mask of the loose bodies, shape (n,).
-        waits_for: output, number of contacts above each cluster with unknown forces, shape (n,).
+        waits_for: output, number of contacts with unknown forces above each cluster, shape (n,).
     """
     n = len(problem.load)
     cluster, index = layers.cluster, np.full(n, -1, np.int64)
@@ -266,7 +271,7 @@ def _sweep(problem: Problem, layers: Layers, known: FloatArray, loose: BoolArray
 
 @compiled
 def _join(layers: Layers, root: int) -> bool:
-    """Join a cluster with the clusters on it; return False if there are no clusters on it, or too many bodies."""
+    """Join a cluster with the clusters on it; return False without such clusters, or for too many bodies."""
     cluster = layers.cluster
     joined = cluster.copy()
     for c in range(len(layers.upper)):
@@ -284,10 +289,10 @@ def _join(layers: Layers, root: int) -> bool:
 
 @compiled
 def _join_cycle(layers: Layers, waits_for: IntArray) -> int:
-    """Join the clusters of a cycle, in which each cluster lies on the next cluster; return the joined cluster.
+    """Join the clusters of a cycle, in which each cluster lies on another one; return the joined cluster.
 
-    A walk finds the cycle: from a cluster that still waits to a cluster on it that still waits, until the walk meets
-    itself.
+    A walk finds the cycle. The walk starts at a cluster that waits for loads. Each step leads to a waiting cluster on
+    the present cluster. The walk ends as soon as it meets a cluster again.
     """
     cluster = layers.cluster
     seen = np.zeros(len(cluster), np.int64)  # number of the step at which the walk met a cluster
@@ -315,7 +320,7 @@ def _join_cycle(layers: Layers, waits_for: IntArray) -> int:
 
 @compiled
 def loose_in_layers(problem: Problem, force: FloatArray) -> BoolArray:
-    """Return the mask of the bodies that loading in layers fails to hold for at least one of ``STIFFNESSES``, (n,).
+    """Return the mask (n,) of the bodies that loading in layers fails to hold for at least one of ``STIFFNESSES``.
 
     Args:
         problem: n bodies, each with a weight, and m contacts.
@@ -324,7 +329,7 @@ def loose_in_layers(problem: Problem, force: FloatArray) -> BoolArray:
     layers = _layers_of(problem)
     n = len(layers.cluster)
     loose, waits_for = np.zeros(n, np.bool_), np.empty(n, np.int64)
-    before, first = layers.cluster.copy(), 0  # the clusters before the last joins, and the cluster that was not held
+    before, first = layers.cluster.copy(), 0  # clusters before the last unions; cluster without hold
     is_joined = False
     while True:
         root = _sweep(problem, layers, force, loose, waits_for)

@@ -1,6 +1,6 @@
 """One Newton step: the generalised Hessian of |P_K(z)|^2 / 2 + rho |y|^2 / 2 at a point z, and the line search.
 
-See ``newton`` for the symbols.
+See ``newton`` for the symbols. The point is z = A^T y for the multipliers y.
 """
 
 from __future__ import annotations
@@ -34,14 +34,14 @@ class Workspace(NamedTuple):
     dz: FloatArray
     """A^T dy, shape (m, 3)."""
     trial: FloatArray
-    """Vectors along the line, shape (m, 3)."""
+    """Vectors z + t dz of the line search, shape (m, 3)."""
 
 
 @compiled
 def workspace_for(problem: Problem, rows: IntArray) -> Workspace:
     """Return the workspace of a problem; the number of ``rows`` must be a multiple of three.
 
-    The cost is O(n + m), and the time to allocate the envelope.
+    The cost is O(n + m) and the allocation of the matrix.
     """
     n, m, width = len(problem.load), len(problem.normal), len(rows)
     place = numbering(problem.body_a, problem.body_b, n)
@@ -61,7 +61,7 @@ def workspace_for(problem: Problem, rows: IntArray) -> Workspace:
 
 @compiled
 def _wrench(direction: FloatArray, lever: FloatArray, sign: float, rows: IntArray, wrench: FloatArray) -> None:
-    """Write the ``rows`` of the force and the moment of a unit force in ``direction`` at ``lever``."""
+    """Write the ``rows`` of the wrench of the force ``sign`` times ``direction`` at ``lever`` to ``wrench``."""
     for k in range(len(rows)):
         row = rows[k]
         if row < 3:
@@ -75,7 +75,7 @@ def _wrench(direction: FloatArray, lever: FloatArray, sign: float, rows: IntArra
 def _add_product(
     matrix: FloatArray, offset: IntArray, i: int, j: int, weight: float, left: FloatArray, right: FloatArray
 ) -> None:
-    """Add weight left right^T to the block of the bodies in places i >= j; add only to the lower half if i = j."""
+    """Add weight left right^T to the block of the bodies in places i >= j; for i = j, only to the lower triangle."""
     width = len(left)
     for k in range(width):
         start = offset[i * width + k] + j * width
@@ -87,7 +87,7 @@ def _add_product(
 
 @compiled
 def _assemble(problem: Problem, space: Workspace, rho: float) -> None:
-    """Write the generalised Hessian A P_K'(z) A^T + rho 1 at ``space.z`` to ``space.matrix``."""
+    """Write the generalised Hessian A D A^T + rho 1 to ``space.matrix``; D is the derivative of P_K at ``space.z``."""
     width, matrix, offset = len(space.rows), space.matrix, space.envelope.offset
     direction, weight = np.empty((3, 3)), np.empty(3)
     on_a, on_b = np.empty(width), np.empty(width)
@@ -120,7 +120,7 @@ def factorize_at(problem: Problem, space: Workspace, rho: float) -> None:
 
 @compiled
 def solve_for(problem: Problem, space: Workspace, right: FloatArray) -> None:
-    """Write the solution for a right side (n, 6) to ``space.dy`` and ``space.dz``, with the latest factor."""
+    """Solve for a ``right`` side (n, 6) with the factor of ``factorize_at``; write dy and dz = A^T dy to ``space``."""
     rows, place, step, dy = space.rows, space.place, space.step, space.dy
     width = len(rows)
     for i in range(len(right)):

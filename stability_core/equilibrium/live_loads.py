@@ -1,8 +1,9 @@
-"""Loads of live bodies on the stack, because live bodies are not bodies of the statics problem.
+"""Loads of live bodies on the stack.
 
-The module solves all live bodies on a part of the stack together, whether they stand or fall. The stack below counts as
-rigid, like the ground. The loads are the contact forces that hold the live bodies. If no forces hold a body, its load
-is the nearest forces: a toppling brick presses, with at most its weight, at the point about which the brick turns.
+Live bodies enter the statics problem of the stack as loads. The module solves all live bodies on a part of the stack
+together, whether they stand or fall. The stack below counts as rigid, like the ground. The loads are the contact forces
+that hold the live bodies. If no forces hold a body, the nearest forces are its load: a toppling brick presses, with at
+most its weight, at the point about which the brick turns.
 """
 
 from __future__ import annotations
@@ -26,17 +27,22 @@ _HELD = 1e-2
 forces leaves a ratio of about a thousandth."""
 UNCERTAIN = 0.2
 """Ratio of the greatest missing force to the greatest load, up to which no body unfreezes if the loads are estimates,
-because contact forces fluctuate by as much."""
+because contact forces fluctuate by this ratio."""
 _UNCERTAIN_AT_REST = 0.01
-"""The same ratio if all live bodies have kept their places for ``doubt_s``, and the reported forces balance each one up
-to this ratio."""
+"""Value in place of ``UNCERTAIN`` if all live bodies have kept their places for ``doubt_s``, and the reported forces
+balance each body up to this value."""
 _PUSHES, _LIVE, _EVERYTHING = range(3)
-"""Contact forces that count: pushes (see ``pushes``); also the forces of live bodies; all forces."""
+"""Contact forces that count:
+
+- _PUSHES: pushes (see ``pushes``);
+- _LIVE: pushes, and the forces of live bodies;
+- _EVERYTHING: all forces.
+"""
 
 
 @compiled
 def lying_on(graph: Graph, ids: IntArray) -> IntArray:
-    """Return the live bodies on the bodies ``ids``, directly or indirectly, and their live neighbours, shape (k,)."""
+    """Return the live bodies that touch the bodies ``ids``, directly or through other live bodies, shape (k,)."""
     bodies, patches = graph.bodies, graph.patches
     reached = np.zeros(len(bodies), np.bool_)
     found = np.empty(len(bodies), np.int64)
@@ -92,7 +98,7 @@ def carriers(graph: Graph, ids: IntArray) -> IntArray:
 
 @compiled
 def is_upright(graph: Graph, live: IntArray) -> bool:
-    """Return True if all ``live`` bodies (k,) press straight down, because all their contacts are load-bearing."""
+    """Return True if all contacts below the ``live`` bodies (k,) are load-bearing, so that the bodies press down."""
     for body in live:
         at = graph.bodies[body].first_support
         while at != NONE:
@@ -114,7 +120,8 @@ def live_load(
         part: the part of the stack on which the live bodies lie.
         live: the live bodies, shape (k,).
         gravity: gravitational acceleration [m/s2], positive.
-        y: start of the search, by body; overwritten (see ``nearest_forces``).
+        y: start of the search, a row for each body of the stack. The function overwrites the rows of the live bodies
+            (see ``nearest_forces``).
 
     Returns:
         Two arrays:
@@ -176,9 +183,15 @@ def contact_load(graph: Graph, buffers: FrameBuffers, part: Part, limits: Limits
 def load_error(graph: Graph, buffers: FrameBuffers, live: IntArray, limits: Limits) -> float:
     """Return the relative error of the loads of the ``live`` bodies (k,), or infinity.
 
-    The error is infinite unless contacts alone hold the bodies at rest, for at least ``doubt_s``. A joint of the engine
-    may hold a body too. Then the reported forces miss the body's balance by more than ``UNCERTAIN``. A port may also
-    estimate friction. The cost is O(contacts of the latest dwell frames).
+    The cost is O(contacts of the latest dwell frames). The result is the first of these values that applies:
+
+    - infinity, if there are no live bodies, or if a body has kept its place for less than ``doubt_s``;
+    - ``UNCERTAIN``, if the engine reports no forces;
+    - infinity, if the forces on a body miss balance by more than ``UNCERTAIN``, because a joint of the engine may hold
+      the body;
+    - ``UNCERTAIN``, if the forces miss balance by more than ``_UNCERTAIN_AT_REST``, because a port may estimate
+      friction;
+    - ``_UNCERTAIN_AT_REST``.
 
     Args:
         graph: the stack.
@@ -228,8 +241,8 @@ def _add_contacts(
         ids: the bodies, shape (n,).
         size: length [m] over which the moment of each body counts, shape (n,).
         limits: the settings, shape (1,).
-        counted: the forces that count: ``_PUSHES``, ``_LIVE`` (not those between the ``ids``), or ``_EVERYTHING``.
-        wrench: force [N] and moment [N, over ``size``] on each body, shape (n, 6); changed in place.
+        counted: the forces that count: ``_PUSHES``, ``_LIVE`` without forces between the ``ids``, or ``_EVERYTHING``.
+        wrench: output, force [N] and moment [N, over ``size``] on each body, shape (n, 6).
 
     Returns:
         The largest component of a counted force on each body [N], shape (n,).

@@ -1,4 +1,4 @@
-"""Load a stack from zero prestress, to see whether contact forces that could hold the bodies arise by themselves.
+"""Load a stack from zero prestress, to decide whether contact forces that hold the bodies arise by themselves.
 
 Forces inside the Coulomb cones may be a self-stress that nothing supplies. For example, two walls could hold a brick
 between them only if something pressed the walls together. Therefore every contact gets a compliance, all loads grow
@@ -46,8 +46,8 @@ from stability_core.equilibrium.problem import Problem
 from stability_core.port import BoolArray, FloatArray
 
 STIFFNESSES = np.array([1.0, 0.1, 10.0])
-"""Ratios of the tangential to the normal stiffness of a contact. The bodies must stand for all three, because the real
-ratio is unknown."""
+"""Ratios of the tangential to the normal stiffness of a contact. The bodies must stand for all three ratios, because
+the true ratio is unknown."""
 KAPPA = 1e7
 """Displacement at which the term M u / kappa equals the weight of a body, in units of the mean weight divided by the
 normal stiffness. The value is a hundred times the sag of a tower of 100 blocks. For a falling body, the rounding error
@@ -56,13 +56,13 @@ SENSITIVE = 0.1
 """Ratio of a body's sensitivity to its displacement, above which the body counts as not held, because standing bodies
 have 1e-6 to 1e-2 (a tower of 100 blocks, an arch of 200 blocks), and falling bodies have 0.5 to 1."""
 WARM_STEPS = 8
-"""Greatest number of steps from an earlier displacement."""
+"""Greatest number of Newton steps from an earlier displacement, before loading starts again from zero."""
 FEW_KAPPAS, MANY_KAPPAS = np.array([1e2, KAPPA]), 10.0 ** np.linspace(0.0, 7.0, 15)
 """Short and long sequence of kappa. Newton's method rarely fails on the short sequence, or on its last value alone. On
 the long sequence, rounds of friction bounds continue where Newton's method fails."""
 WIDEST = 48
-"""Mean length of the matrix rows up to which loading tries the long sequence, because in a pile of twenty bricks, whose
-rows are longer, the long sequence costs 0.1 s and rarely decides more bodies. The rows of an arch have length 12."""
+"""Greatest mean length of the matrix rows [entries] at which loading tries the long sequence. A pile of twenty bricks
+has longer rows. There the long sequence costs 0.1 s and rarely decides more bodies. An arch has rows of 12 entries."""
 
 
 @compiled

@@ -1,8 +1,8 @@
-"""The certificate: the kept contact forces, which last held the stack, and from which the next search starts.
+"""The certificate: kept contact forces that held the stack at the latest solve.
 
-After a change, a solve includes only the affected bodies, because the kept forces still hold all other bodies.
-``is_held`` checks the kept forces against the present patches. Forces that are out of date, or belong to another patch,
-fail the check, and the solve includes their bodies as well.
+The next solve starts from the kept forces. After a change, a solve includes only the affected bodies, because the kept
+forces still hold all other bodies. ``is_held`` checks the kept forces against the present patches. Forces that are out
+of date, or belong to another patch, fail the check, and the solve includes their bodies as well.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from stability_core.port import FloatArray, IntArray
 from stability_core.stack import MAX_VERTICES, NONE, Graph, is_stack
 
 KEPT_BALANCED = 1e-8
-"""Imbalance, relative to the largest force on a body, up to which kept forces balance it: ten times the tolerance of
-the solve, because the core measures the sizes of bodies again after the solve."""
+"""Imbalance, relative to the largest force on a body, up to which kept forces balance the body. The value is ten times
+``BALANCED``, because the core measures the sizes of bodies again after the solve."""
 
 
 class Memory(NamedTuple):
-    """Kept forces, a row for each row of ``Graph.patches``."""
+    """Kept forces, with one row for each row of ``Graph.patches``."""
 
     pair: IntArray
     """Upper body, lower body and kind of the patch to which the forces belong, shape (n, 3)."""
@@ -102,7 +102,7 @@ def _is_in_cone(force: FloatArray, normal: FloatArray, friction: float) -> bool:
 
 @compiled
 def recall(graph: Graph, memory: Memory, patches: IntArray, contacts: int) -> FloatArray:
-    """Return the kept forces at all vertices of the ``patches`` (p,), shape (contacts, 3); zero if unknown."""
+    """Return the kept forces at all vertices of the ``patches`` (p,), shape (contacts, 3); zero for unknown forces."""
     force = np.zeros((contacts, 3))
     c = 0
     for at in patches:

@@ -16,7 +16,7 @@ rho about the latest y', makes the search a proximal point method. This method a
   (Farkas): r . w > 0, while A^T r lies in the polar of K. With velocities -r gravity does work, and no contact resists.
 
 Before the limit, A^T r lies only nearly in the polar. The same method, with w = 0 and y' = r, then finds the nearest
-motion for which A^T r lies exactly in the polar.
+motion for which A^T r lies in the polar, except for rounding.
 """
 
 from __future__ import annotations
@@ -45,16 +45,16 @@ FIRST_RHO, LAST_RHO = 1e-3, 1e-12
 y stays small for a falling stack. The weight falls tenfold at each proximal point, because tall stacks that are almost
 balanced need a small weight."""
 RAY_RHO = 1e-4
-"""Ratio of the proximal term's weight in the search for a motion that no contact resists to its weight in the search
-that gave the first guess."""
+"""Weight of the proximal term in the search for a motion that no contact resists, over its weight in the search for
+forces."""
 STRONGEST = 1e6
 """Ratio of the greatest contact force of an equilibrium to the weight of all bodies, above which the equilibrium does
 not count, because no real wedge bears more."""
 CONVERGED = 1e-14
-"""Newton's decrement, relative to the minimised function, at which a proximal point is reached."""
+"""Newton decrement, relative to the minimised function, up to which y counts as a proximal point."""
 PROXIMAL_POINTS = 12
 ROUGH_POINTS, ROUGH_STEPS, ROUGHLY_BALANCED = 2, 5, 2e-3
-"""Limits for an estimate of the forces: number of proximal points, number of steps at each, imbalance."""
+"""Limits for an estimate of the forces: number of proximal points, number of steps at each point, imbalance."""
 NEWTON_STEPS = 60
 RAY_STEPS = 40
 """Greatest numbers of steps, at one proximal point (NEWTON_STEPS) and in the search for a motion (RAY_STEPS), because a
@@ -78,7 +78,8 @@ class Search(NamedTuple):
 def _minimise(problem: Problem, space: Workspace, rho: float, steps: int, search: Search) -> None:
     """Move y to the minimum of |P_K(A^T y)|^2 / 2 - w . y + rho |y - center|^2 / 2.
 
-    The search takes at most ``steps`` steps, and ends early when the forces balance the load.
+    The search takes at most ``steps`` steps. The search ends earlier at the minimum, or when the forces balance the
+    load.
     """
     center, y, force, rest = search.center, search.y, search.force, search.rest
     along_contacts(problem, y, space.z)
@@ -146,7 +147,7 @@ def solve(problem: Problem, rows: IntArray, strongest: float) -> tuple[int, Floa
         Four values:
 
         - HELD, FALLING or UNDECIDED;
-        - the forces on the second bodies [N], always in their cones, shape (m, 3);
+        - the forces on the second bodies [N], in their cones, shape (m, 3);
         - the unbalanced rest, or the proof r if the bodies are FALLING, shape (n, 6);
         - the greatest imbalance of a body relative to the largest force on it.
     """

@@ -4,9 +4,9 @@ For stacks on load-bearing contacts, one sweep of O(contacts) finds an equilibri
 zero takes several factorisations. The sweep chooses the balancing forces f_c below each body, at x_c and y_c from the
 body's centre, with the least norm:
 
-    minimise sum f_c^2,    sum f_c = W,    sum y_c f_c = M_x,    -sum x_c f_c = M_y,    f_c >= 0,
+    minimise sum f_c^2,    sum f_c = W,    sum y_c f_c = M_x,    -sum x_c f_c = M_y,    f_c >= 0.
 
-W and M are the force and the moment of the body's weight and of all loads from above. The sweep fails, and proves
+W is the force, and (M_x, M_y) the moment, of the body's weight and of all loads from above. The sweep fails, and proves
 nothing, if a body such as a counterweight must press differently to hold a body below.
 """
 

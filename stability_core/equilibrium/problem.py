@@ -1,6 +1,6 @@
-"""Dimensionless bodies and contacts, and the checks of the proofs that bodies stand or fall.
+"""The statics problem of bodies and contacts, and the checks of the proofs that bodies stand or fall.
 
-The checks recompute both proofs, independently of the search for the forces or the motion.
+The checks recompute the imbalance and the work of a motion, independently of the search for the forces or the motion.
 """
 
 from __future__ import annotations
@@ -14,7 +14,8 @@ from stability_core.equilibrium.cone import project
 from stability_core.port import BoolArray, FloatArray, IntArray
 
 BALANCED = 1e-9
-"""Imbalance, relative to the largest force on the body, that counts as none, because rounding leaves about 1e-12."""
+"""Imbalance, relative to the largest force on a body, up to which the body is in balance, because rounding leaves about
+1e-12."""
 
 
 class Problem(NamedTuple):
@@ -35,9 +36,11 @@ class Problem(NamedTuple):
     load: FloatArray
     """Force [N] and moment [N, over the body's size] that contacts must exert on each body, shape (n, 6)."""
     slack: FloatArray
-    """Moment [N, over the body's size] that may stay unbalanced, shape (n,): the moment of the weight about a contact
-    point that is off by measurement noise. The slack is zero except for bodies that touch only in points and lines,
-    because no rigid sphere balances on a point that lies off the vertical by a rounding error."""
+    """Moment [N, over the body's size] that may stay unbalanced, shape (n,).
+
+    For a body that touches only in points and lines, the slack is the moment of the weight about a contact point with a
+    measurement error. A rigid sphere needs this slack, because the sphere does not balance on a point that lies off the
+    vertical by a rounding error. For all other bodies, the slack is zero."""
 
 
 @compiled
@@ -107,9 +110,10 @@ def greatest_imbalance(problem: Problem, force: FloatArray, rest: FloatArray) ->
 
 @compiled
 def weakest_equilibrium(problem: Problem, ray: FloatArray, work: FloatArray, force: FloatArray) -> float:
-    """Return a lower bound on the greatest force of any equilibrium, over the total weight; infinite for a Farkas ray.
+    """Return a lower bound on the greatest force of any equilibrium, over the total weight, or infinity.
 
-    Any forces f in the cones with A f = w, and any ``ray`` r, satisfy
+    ``ray`` is a motion r (n, 6). If no contact resists r, the bound is infinite, because the motion proves the fall.
+    Any forces f in the cones with A f = w, and any r, satisfy
 
         r . w = sum f_c . (A^T r)_c <= max |f_c| sum |P_K (A^T r)_c|
 
@@ -151,7 +155,7 @@ def islands(problem: Problem) -> IntArray:
 
 
 def with_neighbours(problem: Problem, bodies: BoolArray) -> BoolArray:
-    """Return the mask (n,) of the ``bodies`` and of all bodies in contact with them; ``bodies`` is a mask (n,)."""
+    """Return the mask (n,) of the bodies of the mask ``bodies`` (n,), and of all bodies that touch these bodies."""
     among = np.append(bodies, False)  # the last row is the ground's
     touching = among[problem.body_a] | among[problem.body_b]
     among[problem.body_a[touching]] = among[problem.body_b[touching]] = True

@@ -40,24 +40,24 @@ from stability_core.stack import (
 from stability_core.stack_mass import support_polygon
 
 ON_BORDER = 1e-9
-"""Distance [m] up to which a point counts as lying on a border; the value exceeds rounding errors."""
+"""Distance [m] up to which a point lies on a border, because rounding errors are smaller."""
 SAME_NORMAL = 1e-6
 """Change of a normal's component that counts as none, because a patch rebuilt from the same points keeps its normal."""
 SAME_MASS = 1e-9
-"""Change of a mass [kg] that counts as none."""
+"""Change of a mass [kg] that counts as none, because rounding errors are smaller."""
 
 
 REGION = np.dtype(
     [
         ("vertices", "i8"),  # 0 where no region is known
         ("vertex", "f8", (MAX_VERTICES, 3)),  # a convex polygon in plan, counter-clockwise [m]
-        ("links", "i8"),  # fingerprint of the body's surroundings when it was proven to stand, or frozen in doubt
+        ("links", "i8"),  # fingerprint of the body's surroundings at its latest proof, or at its freeze in doubt
     ],
     align=True,
 )
 """Row of a frozen body: its safe region, and the fingerprint of its proof."""
 Regions: TypeAlias = Any
-"""Structured array of ``REGION``, one row a body."""
+"""Structured array of ``REGION``, with one row for each body."""
 
 
 def regions_for(bodies: int, known: Regions) -> Regions:
@@ -184,7 +184,8 @@ def is_proven(graph: Graph, regions: Regions, body: int) -> bool:
 def note_doubts(graph: Graph, regions: Regions) -> None:
     """Record the surroundings of the bodies frozen in doubt in this frame: O(bodies that changed in this frame).
 
-    Any later change unfreezes these bodies. A body in doubt gets no region, so that the bodies on it need a solve.
+    Any later change unfreezes these bodies. A body in doubt gets no region, so that bodies on this body need a
+    solve.
     """
     for body in graph.changed[1 : 1 + graph.changed[0]]:
         row = graph.bodies[body]
@@ -258,11 +259,11 @@ def keep_proof_of_neighbours(graph: Graph, regions: Regions, body: int) -> None:
 
 @compiled
 def topples_alone(graph: Graph, body: int, support: FloatArray) -> bool:
-    """Return True if a body topples by itself: its centre of mass lies outside its contact area.
+    """Return True if a body topples alone: its centre of mass lies outside its contact area.
 
-    Friction cannot hold a body that topples by itself. The result is False if the contact area is a point or a line.
-    The result is also False if the body carries another body, leans, or stands on a live body at rest. In these three
-    cases both bodies may freeze together and hold each other.
+    On a horizontal face, friction cannot hold a body that topples alone. The result is False if the contact area is a
+    point or a line. The result is also False if the body carries another body, leans, or stands on a live body at rest.
+    In these three cases both bodies may freeze together and hold each other.
 
     Args:
         graph: the stack.

@@ -32,8 +32,8 @@ SAFE, LEFT, UNSOLVED = range(3)
 """Rows of the results of ``settle_safely``:
 
 - SAFE: frozen bodies;
-- LEFT: candidates to be solved;
-- UNSOLVED: bodies to be solved again.
+- LEFT: undecided candidates, which need a joint solve;
+- UNSOLVED: bodies whose part of the stack needs a new solve.
 """
 
 
@@ -117,14 +117,17 @@ def keep_proofs(graph: Graph, regions: Regions, bodies: IntArray) -> None:
 
 @compiled
 def _is_borne(graph: Graph, regions: Regions, body: int) -> bool:
-    """Return True if a cheap proof shows that the stack bears a live body that lies on it or topples off it."""
+    """Return True if a cheap proof shows that the stack bears a live ``body``.
+
+    The body lies on the stack, or topples off.
+    """
     region = region_of(graph, regions, body)
     return is_safe(graph, regions, body, region) or topples_off(graph, regions, body, region)
 
 
 @compiled
 def _unproven(graph: Graph, regions: Regions, bodies: IntArray) -> IntArray:
-    """Return the ``bodies`` without a valid proof, shape (k,): their part of the stack needs a new solve."""
+    """Return the ``bodies`` that lack a valid proof, shape (k,), because their part of the stack needs a new solve."""
     table = graph.bodies
     found = np.empty(len(bodies), np.int64)
     n = 0

@@ -1,4 +1,4 @@
-"""Decide whether one snapshot of the world stands: exact statics of rigid bodies under Coulomb friction."""
+"""Decide whether the bodies of a snapshot stand: exact statics of rigid bodies under Coulomb friction."""
 
 from __future__ import annotations
 
@@ -45,13 +45,13 @@ class Equilibrium:
     residual: float
     """Largest imbalance of a body [N, N m over the body's size], relative to the largest force on it."""
     forces: FloatArray | None
-    """Force [N] on ``body_b`` of each contact, shape (n, 3); the opposite force acts on ``body_a``. None if no forces
-    were found."""
+    """Force [N] on ``body_b`` of each contact, shape (n, 3); the opposite force acts on ``body_a``. None if the verdict
+    is ``unstable``, or if the search finds no forces."""
     mechanism: FloatArray | None
     """Virtual velocity [m/s] and angular velocity [rad/s] of each body, shape (m, 6), in the order of the masses,
-    scaled so that the fastest body has 1 m/s. None unless unstable."""
+    scaled so that the fastest body has 1 m/s. None unless the verdict is ``unstable``."""
     in_doubt: BoolArray
-    """Mask of the bodies that loading from zero does not hold, or about which nothing is proven, shape (m,); all False
+    """Mask of the bodies that loading from zero does not hold, or for which no proof exists, shape (m,); all False
     unless the verdict is ``doubt``."""
 
     @property
@@ -68,13 +68,12 @@ def solve_equilibrium(contacts: Contacts, masses: Masses, gravity: Sequence[floa
     only in points and lines, the contact points may be off by a millionth of its size (see ``faces``).
 
     - "stable": contact forces in the Coulomb cones hold the bodies (``forces``), and arise by themselves. Either
-      vertical forces on load-bearing contacts suffice, or loading from zero prestress comes to rest, with nine tenths
-      of the friction as well (see ``loading``).
+      vertical forces on load-bearing contacts suffice, or loading from zero prestress comes to rest (see ``loading``).
+      If forces exist with nine tenths of the friction, loading must come to rest with this friction as well.
     - "unstable": no contact forces hold the bodies. The motion ``mechanism`` is the proof (see ``newton``). An
       equilibrium that needs a force of more than a million times the weight of all bodies does not count.
-    - "doubt": forces exist but do not arise by themselves, at least not with nine tenths of the friction; or the search
-      finds no proof. For example, two walls could hold a brick between them only if something pressed the walls
-      together.
+    - "doubt": forces exist but do not arise by themselves, or the search finds no proof. For example, two walls could
+      hold a brick between them only if something pressed the walls together.
 
     A step takes O(n) to O(n w^2) for n bodies in layers of w bodies. A decision takes 5 to 20 steps, or 10 to 60
     steps if the bodies need friction.
@@ -85,8 +84,8 @@ def solve_equilibrium(contacts: Contacts, masses: Masses, gravity: Sequence[floa
         gravity: gravity vector [m/s2], in any direction.
 
     Raises:
-        ValueError: for malformed contacts or masses, for normals that all point from b to a, and for gravity that is
-            zero or not finite; the message names the field and the row.
+        ValueError: for malformed contacts or masses, for normals at the ground that all point from b to a, and for
+            gravity that is zero or not finite; the message names the field and the row.
     """
     index_a, index_b = _checked(contacts, masses)
     down = np.asarray(gravity, np.float64)
@@ -103,7 +102,7 @@ def solve_equilibrium(contacts: Contacts, masses: Masses, gravity: Sequence[floa
     verdict, forces, rest, residual = decide(snapshot, _is_level(snapshot))
     motion = None
     if verdict == "unstable":
-        forces = None  # they do not hold the bodies
+        forces = None  # these forces do not hold the bodies
         motion = np.hstack([-rest[:, :3] @ upright, -rest[:, 3:] / size[:, None] @ upright]) / np.abs(rest).max()
     in_doubt = takes_part(rest) if verdict == "doubt" else np.zeros(len(masses.body), np.bool_)
     return Equilibrium(verdict, residual, None if forces is None else forces @ upright, motion, in_doubt)
@@ -148,10 +147,10 @@ def _checked(contacts: Contacts, masses: Masses) -> tuple[IntArray, IntArray]:
 
 
 def _refuse_flipped(contacts: Contacts, masses: Masses, index_a: IntArray, index_b: IntArray, up: FloatArray) -> None:
-    """Check that the normals point from a to b; with flipped normals, the ground would push all bodies down.
+    """Check that the normals point from a to b; with flipped normals, the ground would pull all bodies down.
 
     Raises:
-        ValueError: if all contacts with the ground have such normals; the message names the first contact.
+        ValueError: if the normals of all contacts with the ground point from b to a; the message names one contact.
     """
     rows = np.flatnonzero((index_a < 0) | (index_b < 0))
     sign = np.where(index_a[rows] < 0, 1.0, -1.0)
@@ -163,7 +162,7 @@ def _refuse_flipped(contacts: Contacts, masses: Masses, index_a: IntArray, index
 
 
 def _sizes(contacts: Contacts, masses: Masses, index_a: IntArray, index_b: IntArray) -> FloatArray:
-    """Return each body's size [m], its longest lever, then the ground's size, infinity, shape (n + 1,)."""
+    """Return the size of each body [m], which is its longest lever, then infinity for the ground, shape (n + 1,)."""
     size = np.zeros(len(masses.body) + 1)
     for index in (index_a, index_b):
         moves = index >= 0
@@ -177,7 +176,7 @@ def _sizes(contacts: Contacts, masses: Masses, index_a: IntArray, index_b: IntAr
 def _problem(
     contacts: Contacts, masses: Masses, index_a: IntArray, index_b: IntArray, upright: FloatArray, gravity: float
 ) -> tuple[Problem, FloatArray]:
-    """Return the snapshot with z up and dimensionless levers, and the size of each body [m], shape (n,).
+    """Return the statics problem with z up and dimensionless levers, and the size of each body [m], shape (n,).
 
     A body's size is its longest lever, so that forces and moments have the same scale in any unit of length.
     """

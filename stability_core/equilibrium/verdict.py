@@ -41,13 +41,12 @@ MOMENT_ROWS = np.array([0.0, 0.0, 0.0, 1.0, 1.0, 1.0])
 SLACK_STEPS = 8
 """Greatest number of solves for rolling bodies; a pile of spheres takes one or two."""
 FIRST_STEPS, MORE_STEPS = 3, 9
-"""Numbers of correction steps before and after the test whether changed bodies fall with their neighbours, because one
-more plank on a card house of 100 planks takes 1 to 5 steps, and an off-centre load of 20 planks' weight takes 12 steps.
-"""
+"""Numbers of correction steps before and after the test whether changed bodies fall with their neighbours. On a card
+house of 100 planks, one more plank takes 1 to 5 steps, and an off-centre load of 20 planks' weight takes 12 steps."""
 LESS_FRICTION = 0.9
-"""Ratio of a reduced friction to the true friction. Forces must arise with the reduced friction as well, if forces
-exist with it, because two kinds of courses of touching bricks that stood when loaded with mu = 0.8 fell in two of three
-engines."""
+"""Ratio of the reduced friction to the true friction. If forces exist with the reduced friction, forces must also arise
+with this friction. Reason: with the true friction mu = 0.8, loading held two kinds of courses of touching bricks, which
+fell in two of three engines."""
 FEW = 0.25
 """Greatest share of the bodies for which the test for a fall includes neighbours, because a larger share would cost as
 much as the steps of the correction."""
@@ -72,11 +71,11 @@ def decide(
 ) -> Answer:
     """Decide whether the bodies stand, fall or are in doubt, by the cheapest proof that succeeds.
 
-    The function tries these steps in order, until one of them decides:
+    The function tries these steps in order, until a step decides:
 
     1. test whether the changed bodies fall by themselves;
     2. pass vertical forces from the top down (see ``passing_down``);
-    3. take the first steps of the correction of the former forces;
+    3. take the first steps of the correction of the kept forces;
     4. test whether the changed bodies fall with their neighbours;
     5. take the remaining steps of the correction;
     6. test whether the bodies that are still unbalanced fall;
@@ -87,7 +86,7 @@ def decide(
 
     Args:
         problem: n bodies and m contacts, z up.
-        level: contacts whose cone contains the vertical, shape (m,).
+        level: mask of the load-bearing contacts, shape (m,).
         start: forces that nearly hold the bodies [N], shape (m, 3), or None.
         changed: mask of the bodies that are new, have moved, or have lost a neighbour since the last proof, shape (n,);
             None for all bodies.
@@ -159,7 +158,7 @@ def _falls_with_neighbours(problem: Problem, changed: BoolArray) -> Answer | Non
 
 
 def _falls_by_itself(problem: Problem, moves: BoolArray) -> Answer | None:
-    """Return the proof that bodies of the mask ``moves`` (n,) fall beside fixed bodies; None without a proof."""
+    """Return the proof that bodies of the mask ``moves`` (n,) fall between fixed bodies; None without a proof."""
     if moves.all() or not moves.any():
         return None
     part, theirs = held_by_the_rest(problem, moves)
@@ -201,7 +200,7 @@ def _decide_from_scratch(problem: Problem, level: BoolArray, displacement: Float
 def _held_within_slack(
     problem: Problem, force: FloatArray, rest: FloatArray, residual: float
 ) -> tuple[int, FloatArray, float]:
-    """Subtract the moments of the unbalanced rest from the loads of rolling bodies, as far as their slack allows.
+    """Solve again without the unbalanced moments of rolling bodies, as far as the slack of these bodies allows.
 
     Args:
         problem: a problem with rolling bodies.
