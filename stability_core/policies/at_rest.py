@@ -13,7 +13,7 @@ from stability_core.settle import lay_due, lay_frozen
 from stability_core.stack import FROZEN, NONE, Graph, take_changed
 
 CEILING = -0.5
-"""Upward component of a patch's normal below which the other body lies above, as a ceiling does."""
+"""Upward component of a patch's normal below which the patch is a ceiling: the other body lies above."""
 
 
 @compiled
@@ -42,15 +42,15 @@ def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits) -> IntArray:
 
 
 class AtRest(Policy):
-    """Policy that freezes every body at rest, stable or not, until no support or leaning partner remains.
+    """Policy that freezes every body at rest, and unfreezes a body that has lost all supports and leaning contacts.
 
-    The policy ignores the weaker rule of rest for leaning bodies, because it does not test these bodies.
+    The policy ignores the weaker rule of rest for leaning bodies, because the policy has no leaning test.
     """
 
     name = "at_rest"
     judges_statics = False
 
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
-        """Freeze every body at rest; report bodies without any support as unbalanced: O(changes)."""
+        """Freeze every body at rest; report bodies without supports as unbalanced: O(changes)."""
         floating = _settle(graph, buffers, self.limits)
         return Decision(dict.fromkeys(listed(buffers, AT_REST).tolist(), "at rest"), floating)

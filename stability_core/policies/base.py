@@ -32,8 +32,8 @@ class Policy(ABC):
 
     name: ClassVar[str]
     judges_statics: ClassVar[bool] = True
-    """True if the policy tests the stability of bodies before it freezes them, so that it may judge bodies that were
-    not yet seen at rest."""
+    """True if the policy tests the stability of bodies before it freezes them, so that ``adopt`` may
+    pass bodies that have not yet been at rest."""
 
     def __init__(self, gravity: float, settings: Settings) -> None:
         """Set gravity and tolerances.
@@ -46,14 +46,14 @@ class Policy(ABC):
         self.settings = settings
         self.limits = settings.limits(gravity)
         self.budget = math.inf
-        """Greatest number of bodies to solve in a call of ``settle``; the policy defers further candidates. Only
-        freezing has a budget: the policy always tests frozen bodies for balance."""
+        """Number of solved bodies in a call of ``settle``, from which the policy defers further candidates. Only
+        freezing has a budget: the policy tests frozen bodies for balance without a limit."""
 
     def set_gravity(self, gravity: float) -> None:
         """Set the strength of gravity [m/s2], after a change of its strength or its direction.
 
-        Before this call, the core turns the graph so that z is up, and lists every frozen body as changed. This method
-        must drop the proofs and forces that the policy keeps, because they no longer hold.
+        Before this call, the core turns the graph so that z is up, and lists every frozen body as changed. A policy
+        that keeps proofs or forces must drop them here, because they do not hold under the new gravity.
         """
         self.gravity = gravity
         self.limits = self.settings.limits(gravity)

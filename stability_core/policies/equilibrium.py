@@ -1,4 +1,4 @@
-"""The policy of exact statics: a body may freeze if contact forces in the Coulomb cones hold the stack with it.
+"""The policy of exact statics: a body may freeze if contact forces in the Coulomb cones hold body and stack.
 
 Cheap proofs come first. The policy refuses a body that topples alone, and accepts a body in the safe region of its
 supports, in O(1) at any height. The policy solves the remaining bodies, together with the bodies that bear them. The
@@ -55,20 +55,19 @@ from stability_core.stack import (
 )
 
 WAKE_GRIP = 1.02
-"""Factor on friction for unfreezing, as a hysteresis, so that a body unfreezes only if it falls even with so much
-friction."""
+"""Factor on friction in the test for unfreezing. This hysteresis keeps bodies at the limit of friction frozen."""
 TOGETHER = 12
-"""Greatest number of candidates judged together within a budget, because few bodies hold each other in a pile, and a
+"""Greatest number of candidates in a joint solve within a budget, because few bodies hold each other in a pile, and a
 solve of fifty bodies that lean on each other takes 0.5 s."""
 DEAR = 16
 """Number of bodies above which a solve is expensive. If an expensive solve leaves bodies in doubt, the policy judges
 these bodies again only after ``doubt_s``, even if their surroundings change earlier."""
 FEW_TOGETHER = 16
-"""Greatest number of bodies in a joint solve of live bodies with the stack below them. The limit is ``FEW_BODIES`` if
-all contacts of the live bodies are load-bearing."""
+"""Greatest number of bodies in a joint solve of live bodies with the stack below them, to bound the cost of a frame.
+The limit is ``FEW_BODIES`` if all contacts of the live bodies are load-bearing, because their solve is cheap."""
 FEW_BODIES = 64
-"""Greatest number of bodies for which the policy solves a whole part of the stack, if a solve of the affected
-bodies decides nothing."""
+"""Greatest number of bodies for which the policy solves a whole part of the stack, if a solve of the affected bodies
+decides nothing. The limit bounds the cost of a frame."""
 
 
 def _chosen(ids: IntArray, among: BoolArray) -> IntArray:
@@ -103,18 +102,18 @@ class Equilibrium(Policy):
         self._sag = np.zeros((len(STIFFNESSES), 0, 6))
         """Displacements of the last loading, by body, from which the next loading starts."""
         self._solved = 0
-        """Number of bodies solved in this frame."""
+        """Number of bodies in the solves of this frame."""
         self._not_before = np.zeros(0)
-        """Time [s] before which a body is not judged again, by body: see ``DEAR``."""
+        """Time [s], for each body, before which the policy does not judge the body again: see ``DEAR``."""
         self._dear: list[int] = []
-        """Bodies left in doubt by an expensive solve in this frame."""
+        """Bodies that an expensive solve in this frame left in doubt."""
         self._lift = np.zeros((0, 6))
         """Start of the search for the loads of live bodies, by body."""
 
     def set_gravity(self, gravity: float) -> None:
         """Forget proofs, regions and forces.
 
-        The next frame judges without hysteresis, so that bodies unfreeze at the exact angle at which they slide or
+        The next frame judges without hysteresis, so that bodies unfreeze at the angle at which they slide or
         topple. The contacts of frozen bodies do not change while gravity turns. Therefore hysteresis is not necessary.
         """
         super().set_gravity(gravity)
@@ -125,6 +124,8 @@ class Equilibrium(Policy):
 
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
         """Freeze the bodies in safe regions by one compiled call; then freeze other candidates that stand together.
+
+        Also report the frozen bodies that fall.
 
         While safe regions decide, the cost is O(1) per changed body. Otherwise the cost is some solves of the affected
         bodies. The solves start from the latest forces.
@@ -195,8 +196,8 @@ class Equilibrium(Policy):
     def _batch(self, graph: Graph, part: IntArray) -> IntArray:
         """Return the candidates of a ``part`` for a joint solve, shape (k,).
 
-        With a budget, the batch is the lowest ``TOGETHER`` candidates. Bodies with load-bearing contacts only have no
-        such limit, because their solve is cheap.
+        With a budget, the batch contains the lowest ``TOGETHER`` candidates. Candidates with only load-bearing contacts
+        have no limit, because their solve is cheap.
         """
         if len(part) <= TOGETHER or math.isinf(self.budget) or is_upright(graph, part):
             return part
@@ -204,7 +205,7 @@ class Equilibrium(Policy):
         return np.sort(lowest[:TOGETHER])
 
     def _parts(self, graph: Graph, seeds: IntArray, members: IntArray) -> Iterator[tuple[IntArray, bool]]:
-        """Yield the bodies to solve for the ``seeds``, and True if they are the whole part of the stack.
+        """Yield the bodies to solve for the ``seeds``, and True if these bodies are the whole part of the stack.
 
         The method first yields the bodies that bear the seeds, then the whole part, if the part is small.
         """
@@ -225,7 +226,7 @@ class Equilibrium(Policy):
         """Return the answer of ``decide`` for the ``problem`` of a part, from the kept forces and displacements."""
         self._solved += len(part.ids)
         start = recall(graph, self._memory, part.patches, len(part.level))
-        sag = np.ascontiguousarray(self._sag[:, part.ids])  # the layout of the kernels
+        sag = np.ascontiguousarray(self._sag[:, part.ids])  # the kernels need this layout
         answer = decide(problem, part.level, start, changed, sag)
         self._sag[:, part.ids] = sag
         return answer
@@ -234,14 +235,14 @@ class Equilibrium(Policy):
         """Freeze the bodies of ``group`` that stand: remove falling bodies until the remaining bodies stand.
 
         Bodies in doubt freeze too, without a proof, once the engine has held all of them in place for ``doubt_s``. A
-        standing group costs one to four steps of a solve of the bodies that bear the group. A falling group costs a few
-        steps of a solve of its own bodies.
+        standing group usually costs one to four steps of a solve of the bodies that bear the group. A falling group
+        usually costs a few steps of a solve of its own bodies.
 
         Returns:
             Three values:
 
             - the frozen bodies;
-            - the reason;
+            - the reason for the freeze;
             - rows of the solved patches.
         """
         bodies = graph.bodies
@@ -307,9 +308,9 @@ class Equilibrium(Policy):
 
         Leaning live bodies that contacts alone hold at rest are in equilibrium together with the stack. A joint solve
         decides then, without loads. In all other cases the method computes the loads of live bodies on a rigid stack.
-        These loads are one of many distributions of their weight. If the stack does not bear these loads, a joint solve
-        includes the stack and the live bodies that do not fall. If the verdict then depends on uncertain loads, the
-        method returns all ``seeds`` or no bodies, by the size of the imbalance.
+        These loads are one of many distributions of the weight of the live bodies. If the stack does not bear these
+        loads, a joint solve includes the stack and the live bodies that do not fall. If the verdict then depends on
+        uncertain loads, the method returns all ``seeds`` or no bodies, by the size of the imbalance.
         """
         live = lying_on(graph, ids)
         error = load_error(graph, buffers, live, self.limits) if outside == AS_BEFORE else np.inf
@@ -332,7 +333,7 @@ class Equilibrium(Policy):
         if len(goes) == 0 or len(live) == 0:
             return goes
         if verdict == "unstable" and not pressed[takes_part(answer[2])].any():
-            return goes  # no live load takes part in this fall, so that it is certain
+            return goes  # the fall is certain, because no live load takes part in it
         upright = is_upright(graph, live)
         if outside == AS_BEFORE and (upright or held.any()):
             most = FEW_BODIES if upright else FEW_TOGETHER
@@ -383,10 +384,12 @@ class Equilibrium(Policy):
         return self._moves(graph, part, problem, seeds, answer)
 
     def _moves(self, graph: Graph, part: Part, problem: Problem, seeds: IntArray, answer: Answer) -> IntArray:
-        """Return the frozen bodies that move in an ``answer``'s mechanism, (k,); also the seeds without forces.
+        """Return the frozen bodies that move in the mechanism of an ``answer``, shape (k,).
+
+        If the answer has no forces, the result also contains the proven ``seeds``.
 
         Live bodies, and bodies frozen in doubt, may fall or be in doubt although the stack stands. The method removes
-        these bodies, and the remaining bodies must bear their loads.
+        these bodies, and the remaining bodies must bear the loads of these bodies.
         """
         bodies, ids, level = graph.bodies, part.ids, part.level
         may_move: BoolArray = (bodies["state"][ids] == FROZEN) & (bodies["doubt"][ids] == PROVEN)
@@ -394,7 +397,7 @@ class Equilibrium(Policy):
         while verdict != "stable":
             falls = takes_part(rest)
             goes = falls & may_move
-            if forces is None:  # neither an equilibrium was found, nor a proof that there is none
+            if forces is None:  # the search found neither an equilibrium nor a mechanism
                 goes |= np.isin(ids, seeds) & may_move
             if goes.any() or forces is None:
                 return _chosen(ids, goes)

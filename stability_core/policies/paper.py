@@ -70,7 +70,7 @@ def pass_flat_test(graph: Graph, candidates: IntArray) -> IntArray:
 
 @compiled
 def pass_leaning_test(graph: Graph, candidates: IntArray, gravity: float, flat_width: float) -> IntArray:
-    """Freeze the live ``candidates`` that do not lie flat and pass the leaning test; return these bodies, (k,).
+    """Freeze the live ``candidates`` that do not lie flat and pass the leaning test; return these (k,) bodies.
 
     Bodies that lean on each other, such as the planks of an inverted V, pass together or not at all.
     """
@@ -153,7 +153,9 @@ class Paper(Policy):
     name = "paper"
 
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
-        """Run the flat test, then the leaning test; update the stack data (Eqs 1-5); then run the overall test.
+        """Run the flat test, then the leaning test; update the stack data; then run the overall test.
+
+        Equations 1 to 5 of the paper give the stack data.
 
         The cost is O(k log k) for the k bodies with a changed load.
         """

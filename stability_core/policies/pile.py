@@ -1,17 +1,17 @@
-"""The sleeping rule for piles, after Hsu and Keyser 2010: bodies inside the pile freeze, its slope stays live.
+"""The sleeping rule for piles, after Hsu and Keyser 2010: bodies inside the pile freeze, bodies on its slope stay live.
 
-S.-W. Hsu, J. Keyser, "Piles of Objects", ACM Transactions on Graphics 29(6), 2010 (SIGGRAPH Asia). Their method models
-a pile by its shape, with an angle of repose as the bound. The method deactivates objects inside the pile, by more
-criteria than their own momentum, and serves random piles, not structures. This policy adapts the method to contacts,
-sleep and mass:
+S.-W. Hsu, J. Keyser, "Piles of Objects", ACM Transactions on Graphics 29(6), 2010 (SIGGRAPH Asia). The method models a
+pile by its shape, with an angle of repose as the bound. The method deactivates objects inside the pile, by more
+criteria than momentum, and serves random piles, not structures. This policy adapts the method to contacts, sleep and
+mass:
 
 - The pile of a body is all frozen bodies that contacts join to the body, directly or indirectly. The base of the pile
   is the convex hull, in plan, of the pile's contact points on the ground.
 - The shape of the pile is the shape of sand on this base: a roof that rises from the hull's border inward. As in the
   original method, the user chooses the angle of repose (``Settings.repose``). By default the angle of repose is
   atan(mu), with the friction coefficient mu of the contact on which a body stands.
-- A body lies inside if it stands on the ground, or on frozen bodies at points below the roof.
-- A body inside freezes once it is at rest, as in every policy, unless it touches a moving live body.
+- A body lies inside the pile if it stands on the ground, or on frozen bodies at points below the roof.
+- A body inside the pile freezes once it is at rest, as in every policy, unless it touches a moving live body.
 - A body unfreezes after an impact, as in every policy, and when it has lost a support.
 
 The policy does not test balance, because inside a pile the neighbours hold bodies that would tip. With the default
@@ -35,7 +35,7 @@ from stability_core.stack import FROZEN, LIVE, MAX_VERTICES, NONE, SUPPORT, Grap
 
 @compiled
 def _beside_movers(graph: Graph, buffers: FrameBuffers, candidates: IntArray, limits: Limits) -> IntArray:
-    """Return the ``candidates`` that touch a live body faster than ``moving_speed``, shape (k,).
+    """Return the ``candidates`` that touch a live body with a speed above ``moving_speed``, shape (k,).
 
     The cost is O(contacts of the latest frame).
     """
@@ -48,7 +48,7 @@ def _beside_movers(graph: Graph, buffers: FrameBuffers, candidates: IntArray, li
         for body, other in (pair, pair[::-1]):
             if body == GROUND or other == GROUND:
                 continue
-            place = graph.bodies[body].place  # may be left over from another list
+            place = graph.bodies[body].place  # the place may belong to another list
             is_candidate = place < len(candidates) and candidates[place] == body
             if is_candidate and graph.bodies[other].state == LIVE and is_moving(graph.bodies[other], limits):
                 found[place] = True
@@ -167,7 +167,7 @@ def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits, supports: IntAr
 
 
 class Pile(Policy):
-    """Policy that freezes bodies at rest inside the angle of repose of their pile; structures stay live."""
+    """Policy that freezes bodies at rest inside the angle of repose of their pile."""
 
     name = "pile"
     judges_statics = False

@@ -1,7 +1,7 @@
 """The stacking tree of Zhao et al. 2022, a descendant of the paper for online packing: a policy for flat bodies.
 
 H. Zhao, C. Zhu, X. Xu, H. Huang, K. Xu, "Learning practically feasible policies for online 3D bin packing", Science
-China Information Sciences 65, 112105 (2022), https://doi.org/10.1007/s11432-021-3348-6. Their test is the flat test of
+China Information Sciences 65, 112105 (2022), https://doi.org/10.1007/s11432-021-3348-6. The test is the flat test of
 Thomsen and Kraus. A body is stable if its centre of mass, with all loads, lies in the hull of its contact points. The
 shares F_i of a load m g at c = C_stack on supports with contact areas centred at p_i are:
 
@@ -32,8 +32,8 @@ from stability_core.settle import lay_due, lay_frozen, lowest_first
 from stability_core.stack import NONE, SUPPORT, Graph, count_patches, hull_of, take_changed
 
 RIDGE = 1e-9
-"""Weight of the least-norm solution in the lever equations. The ridge gives equal shares to supports whose levers are
-all zero, and changes other shares by a part in a thousand million."""
+"""Weight of the squared shares in the least-squares solution of the lever equations. The ridge gives equal shares to
+supports whose levers are all zero, and changes other shares by about 1e-9 of their values."""
 
 
 @compiled
@@ -113,7 +113,7 @@ def _add_shares(graph: Graph, upper: int, borne: FloatArray) -> None:
 
 @compiled
 def _downward(graph: Graph, changed: IntArray) -> IntArray:
-    """Return the ``changed`` bodies and all bodies below, each body before its supports, shape (k,): O(k).
+    """Return the ``changed`` bodies and all bodies below them, each body before its supports, shape (k,): O(k).
 
     The order is the reverse postorder of a depth-first search from each changed body.
     """
