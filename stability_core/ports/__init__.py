@@ -30,7 +30,7 @@ ENGINES = {
 }
 """Python package of each engine, by the name of its port and of the wheel's extra."""
 _PORT_OF = {package: name for name, package in ENGINES.items()} | {"pybullet_utils": "pybullet"}
-"""Name of the port, by the package in which the class of a world is defined."""
+"""Name of the port, by the package that defines the class of a world."""
 WITH_OBJECTS = ("pymunk", "dart")
 """Ports of engines whose bodies are objects without numbers."""
 
@@ -58,7 +58,7 @@ def attach(
         The attachment; for pymunk and DART an ``ObjectAttachment``, whose methods accept bodies.
 
     Raises:
-        TypeError: if the world is of no known engine.
+        TypeError: if no port knows the engine of the world.
         ImportError: if the engine's package is not installed.
         ValueError: if a body cannot freeze, or the world has no gravity; the message names the fix.
         RuntimeError: if the world has an open attachment.
@@ -69,13 +69,13 @@ def attach(
 
 
 def warm_up(policy: str = "equilibrium") -> float:
-    """Compile the core for ``policy`` and the ports, or read them from Numba's cache; return the core's time [s].
+    """Compile the kernels of ``policy`` and of the ports, or read Numba's cache; return the time of the core [s].
 
-    ``attach`` compiles the core and the ports on first use. Call this function where the wait matters least: the
-    compilation takes two to three minutes, once per version.
+    ``attach`` compiles the core and the ports on first use. Call this function where the wait matters least, because
+    the compilation takes minutes, once per version.
 
     Raises:
-        UnknownNameError: if ``policy`` is no name of ``POLICIES``.
+        UnknownNameError: if ``POLICIES`` has no ``policy``.
     """
     seconds = extension.warm_up(policy)
     compile_kernels()
@@ -86,7 +86,7 @@ def _engine_of(world: object) -> str:
     """Return the name of the port for a world.
 
     Raises:
-        TypeError: if the world is of no known engine.
+        TypeError: if no port knows the engine of the world.
     """
     package = type(world).__module__.split(".")[0]
     if isinstance(world, int) and not isinstance(world, bool):
@@ -120,4 +120,4 @@ def __getattr__(name: str) -> ModuleType:
     """Load the module of a port on first use."""
     if name in ENGINES:
         return _module(name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}; ports: {', '.join(ENGINES)}")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}: use one of the ports {', '.join(ENGINES)}")

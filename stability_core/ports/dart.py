@@ -9,9 +9,9 @@ The port controls skeletons of one body on a free joint. All other bodies are ob
 The port numbers the body nodes, because DART's bodies have names only. The attachment's methods accept skeletons of one
 body, and body nodes.
 
-Contacts: DART's own, of the poses before the latest step, and the missing corners of contact areas between boxes,
-standing cylinders and planes. DART's own sleeping (deactivation) may stay on, because DART lists the contacts of bodies
-that it has put to sleep. The port changes no setting of the world or of a live body.
+The port returns DART's contacts, which belong to the poses before the latest step. The port adds the missing corners of
+contact areas between boxes, standing cylinders and planes. DART's own sleeping (deactivation) may stay on, because DART
+lists the contacts of its sleeping bodies. The port changes no setting of the world or of a live body.
 
 Traps:
 
@@ -78,7 +78,7 @@ class DartPort(FreeBodyPort):
         """
         node = _node_of(body)
         if node not in self._dart.ids:
-            self._bodies.follow()  # a body that came after the latest update
+            self._bodies.follow()  # find the bodies that came after the latest update
         if node not in self._dart.ids:
             name = node.getSkeleton().getName()
             raise KeyError(f"the skeleton {name!r} is not in this DART world: call world.addSkeleton() first")

@@ -1,6 +1,6 @@
-"""Calls of DART for contacts and freezing, shared by the port and by the suite's adapter.
+"""Calls of DART for contacts and freezing, for the port and for the suite's adapter.
 
-Freezing: the skeleton stops and becomes immobile. DART leaves an immobile skeleton out of integration and of the
+``freeze`` stops a skeleton and makes it immobile. DART leaves an immobile skeleton out of integration and of the
 contact problem, so that no step of DART changes a bit of the skeleton's pose. DART lists no contacts between two
 immobile skeletons.
 
@@ -40,7 +40,7 @@ class CollisionObjects:
     def __init__(self, id_of: Callable[[Any], int]) -> None:
         """Create an empty map; ``id_of`` returns the id of the body to which a shape node belongs."""
         self._id_of = id_of
-        self._body_of: dict[Any, int] = {}  # a cache, because the way to a body takes several calls
+        self._body_of: dict[Any, int] = {}  # a cache, because the search for a body takes several calls
 
     def pairs_of(self, contacts: Sequence[Any]) -> tuple[IntArray, IntArray]:
         """Return bodies a and b of contacts, each of shape (n,)."""
@@ -74,5 +74,5 @@ def geometry_of(contacts: Sequence[Any]) -> tuple[FloatArray, FloatArray, FloatA
 
 
 def forces_of(contacts: Sequence[Any]) -> FloatArray:
-    """Return the forces (n, 3) [N] of contacts on body b, in the world's frame."""
+    """Return the forces (n, 3) [N] on body b of each contact, in the world's frame."""
     return rows_of([contact.force for contact in contacts], 3)

@@ -11,7 +11,7 @@ from stability_core.port import FloatArray
 from stability_core.ports.shared.shapes import HALF_SPACE, NO_AXIS, Solid, box_vertices, cylinder_vertices
 
 _SHIPPED_FRICTION = 1.0
-"""Coefficient that DART gives a shape without a dynamics aspect."""
+"""Coefficient of friction that DART gives a shape without a dynamics aspect."""
 
 
 def motion_of(node: Any) -> tuple[float, ...]:
@@ -30,7 +30,8 @@ def solid_of(node: Any) -> Solid | None:
     """Return the shape of a body node relative to its centre of mass, in the orientation of its frame.
 
     Returns:
-        None if the shape is round, a mesh, or compound, because DART gives no vertices of meshes.
+        The solid of a plane, a box or a cylinder; None for other shapes, because DART gives no vertices of meshes, and
+        None for compound bodies.
     """
     shapes = colliding_shapes(node)
     if len(shapes) != 1:
@@ -51,7 +52,7 @@ def solid_of(node: Any) -> Solid | None:
 def box_around(node: Any) -> FloatArray:
     """Return the lower, then the upper corner [m] of the box around a body node's shapes along the world's axes, (6,).
 
-    The function turns the shapes' own bounding boxes, so that the box is somewhat too large.
+    The function turns the bounding box of each shape, so that the result may be larger than the shapes.
     """
     corners = [np.full((1, 3), np.inf)]
     for shape in colliding_shapes(node):

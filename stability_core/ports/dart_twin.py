@@ -2,7 +2,7 @@
 
 DART's own query lists no contact across a gap, and rounding decides whether shapes at a gap of zero touch. With FCL's
 detector the query also changes later steps in their last bits. This module collides slightly larger copies of the
-shapes in a group of their own.
+shapes in a separate collision group.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from dartpy import dynamics
 from stability_core.ports.dart_shapes import colliding_shapes
 
 GROWTH = 1e-5
-"""Distance [m] by which the surface of a copy lies outside the shape: a fiftieth of the gap that counts as touching."""
+"""Distance [m] by which the surface of a copy lies outside the shape: a fiftieth of the greatest gap of a contact."""
 
 
 class Original(NamedTuple):
-    """The shape that a copy stands for."""
+    """The original shape of an enlarged copy."""
 
     body: int
-    """Id of its body."""
+    """Id of the body of the shape."""
     shape: Any
     """DART's shape node."""
     growth: float

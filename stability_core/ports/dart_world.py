@@ -18,7 +18,7 @@ from stability_core.ports.shared.shapes import Solid
 from stability_core.ports.shared.vectors import dot, rows_of
 
 _BY_FORCES = (ActuatorType.FORCE, ActuatorType.PASSIVE)
-"""Actuators of a joint that forces move."""
+"""Actuator types of the joints that move by forces."""
 
 
 class DartWorld(FreeBodyWorld):
@@ -30,7 +30,7 @@ class DartWorld(FreeBodyWorld):
 
     def __init__(self, world: Any, *, takes_all: bool) -> None:
         self._world, self._takes_all = world, takes_all
-        self._listed: list[tuple[Any, int]] = []  # each skeleton, and its number of bodies
+        self._listed: list[tuple[Any, int]] = []  # each skeleton, with its number of bodies
         self.nodes: dict[int, Any] = {}
         """Body node of each id."""
         self.ids: dict[Any, int] = {}
@@ -55,7 +55,7 @@ class DartWorld(FreeBodyWorld):
         if self._takes_all and count:
             raise ValueError(
                 f"this DART world has {count} constraints between bodies, and DART does not say which bodies: pass the "
-                "free ones, attach(world, bodies=[...]), because the extension does not know the forces of joints"
+                "free bodies, attach(world, bodies=[...]), because the extension does not know the forces of joints"
             )
 
     def has_changed(self) -> bool:
@@ -70,7 +70,7 @@ class DartWorld(FreeBodyWorld):
             body = self.ids.pop(node)
             del self.nodes[body]
             self._stale_steps = self._world.getSimFrames()
-            if body in self._frozen:  # the user gets it back as it was, and may add it again
+            if body in self._frozen:  # the user may add the skeleton again, and expects it mobile
                 self._frozen.remove(body)
                 unfreeze(node.getSkeleton())
         for node in nodes:
@@ -114,7 +114,7 @@ class DartWorld(FreeBodyWorld):
         return float(self.nodes[body].getMass())
 
     def solid(self, body: int) -> Solid | None:
-        """Return the shape of a body, relative to its centre of mass; None if it is round, a mesh, or compound."""
+        """Return the shape of a body, relative to its centre of mass: see ``solid_of``."""
         return solid_of(self.nodes[body])
 
     def motions(self, bodies: list[int]) -> FloatArray:
@@ -136,7 +136,7 @@ class DartWorld(FreeBodyWorld):
         return bool(skeleton.getNumDofs()) and bool(skeleton.isMobile())
 
     def freeze(self, body: int) -> None:
-        """Freeze a live body exactly where it is."""
+        """Freeze a live body at its present pose."""
         self._frozen.add(body)
         freeze(self.nodes[body].getSkeleton())
 

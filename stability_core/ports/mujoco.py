@@ -4,7 +4,8 @@ Ids are MuJoCo's body ids. The port controls the bodies that ``prepare`` gave a 
 world are the ground. All other bodies are obstacles: robots, mocap bodies, and bodies that the user leaves out. An
 obstacle that touches a controlled body counts as a body that the host moves.
 
-Contacts: MuJoCo's own, and the missing corners of contact areas between boxes, cylinders, meshes and planes.
+The port returns MuJoCo's contacts, and adds the missing corners of contact areas between boxes, cylinders, meshes and
+planes.
 """
 
 from __future__ import annotations
@@ -39,11 +40,11 @@ NEAR = 1e-3
 """Greatest gap [m] at which ``find_contacts`` lists a pair, because MuJoCo lists no contact at a gap of zero."""
 _NO_PLACES = np.empty(0, np.int64)
 _MOVED = 1e-6
-"""Least change of a component of a frozen body's pose that counts as a move by the user [m], or of its quaternion."""
+"""Greatest change of a frozen body's position [m], or of a component of its quaternion, that is no move by the user."""
 _TURNED = 1e-4
-"""Least change of a component of an obstacle's quaternion that counts as a turn: 0.01 degrees."""
+"""Greatest change of a component of an obstacle's quaternion that is no turn: about 0.01 degrees."""
 _STEP = 0.02
-"""Greatest difference of ``dt`` from the simulated time, in steps."""
+"""Greatest difference of ``dt`` from the simulated time [steps], because sums of time steps round."""
 _NO_GHOSTS = (
     "this MuJoCo model has no ghosts, and MuJoCo cannot make a body static: build the model with spec = "
     "mujoco.MjSpec.from_file(...); stability_core.ports.mujoco.prepare(spec); model = spec.compile()"

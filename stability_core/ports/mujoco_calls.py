@@ -1,4 +1,4 @@
-"""Contacts in MuJoCo's arrays, shared by the port and by the suite's adapter.
+"""Contacts in MuJoCo's arrays, for the port and for the suite's adapter.
 
 MuJoCo lists the contacts at the start of the latest step, and ``cvel`` holds the velocities at that time. Contacts and
 velocities together give the approach speed before the solver stops the bodies.
@@ -56,8 +56,9 @@ def contact_forces(model: Model, data: Data, rows: IntArray) -> FloatArray:
 
     The constraint forces of a contact depend on the model's friction cone and on the contact's dimension d:
 
-    - Elliptic cone: d constraint forces, of which the first is the normal force n and the next two are the tangents t.
-    - Pyramid: a constraint force along each of 2 (d - 1) edges, in pairs n + mu t and n - mu t.
+    - Elliptic cone: the normal force, then two tangential forces, then d - 3 moments.
+    - Pyramid: a force along each of 2 (d - 1) edges, in pairs n + mu t and n - mu t. n is the unit normal, t a unit
+      tangent, and mu the coefficient of friction.
     - Frictionless, d = 1: the normal force.
     """
     found = data.contact

@@ -1,9 +1,10 @@
-"""Freezing of a free body in MuJoCo, shared by the port and by the suite's adapter.
+"""Freezing of a free body in MuJoCo, for the port and for the suite's adapter.
 
-MuJoCo cannot make a body static. Each body therefore has a mocap body with the same geoms (its "ghost"). A frozen body
-is parked: the body has no collisions and no weight, and the ghost collides at the body's pose. From MuJoCo 3.4.0 on a
-parked body also sleeps, so that it costs no time. No step moves a mocap body, so that the drift is exactly zero. MuJoCo
-lists no contacts of ghosts with one another or with the ground, because both are parts of the world body.
+MuJoCo cannot make a body of a compiled model static. Each body therefore has a mocap body with the same geoms (its
+"ghost"). A frozen body is parked: the body has no collisions and no weight, and the ghost collides at the body's pose.
+From MuJoCo 3.4.0 on a parked body also sleeps, so that it costs no time. No step moves a mocap body, so that the drift
+is zero. MuJoCo lists no contacts of ghosts with one another or with the ground, because both are parts of the world
+body.
 """
 
 from __future__ import annotations
@@ -56,7 +57,7 @@ class FreeBody:
         self.mocap: int = -1 if ghost is None else model.body_mocapid[ghost]
 
     def stop(self) -> None:
-        """Set both velocities, and the solver's memory of the acceleration, to zero."""
+        """Set the velocity, the angular velocity and the solver's memory of the acceleration to zero."""
         self.velocity[:] = 0
         self.warm[:] = 0
 

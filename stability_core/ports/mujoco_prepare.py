@@ -13,8 +13,8 @@ Spec: TypeAlias = Any
 SUFFIX = "__ghost"
 """End of a ghost's name, after the name of its body."""
 TINY = 1e-300
-"""Gravity compensation of a controlled body. MuJoCo computes no compensation if every body has 0, and a parked body
-needs it; the value changes no sum by a bit."""
+"""Gravity compensation of a controlled body. A parked body needs compensation, and MuJoCo computes no compensation if
+every body has 0. The value is too small to change a sum of forces."""
 _COPIED = (
     "type", "size", "pos", "quat", "fromto", "meshname", "friction", "condim", "priority", "solref", "solimp",
     "solmix", "margin", "gap", "fitscale",
@@ -22,7 +22,7 @@ _COPIED = (
 
 
 def prepare(spec: Spec, bodies: Collection[str] | None = None) -> Spec:
-    """Add ghosts to a model, so that the extension can freeze bodies; call this before ``spec.compile()``.
+    """Add ghosts to a model, so that the extension can freeze bodies; call it before ``spec.compile()``.
 
     Each controlled body gets a ghost: an invisible mocap body with the same geoms. The ghost collides only while the
     body is frozen. Other bodies, joints, actuators and sensors keep their ids and their motions. A frozen body must be
@@ -48,8 +48,8 @@ def prepare(spec: Spec, bodies: Collection[str] | None = None) -> Spec:
     chosen = _free_bodies(spec) if bodies is None else [_checked(spec, name) for name in bodies]
     if not chosen:
         raise ValueError(
-            "prepare() found no body that could freeze: leave out bodies, or name at least one, and give the bodies of "
-            "the stack a free joint (<freejoint/>), one geom or more, and no bodies below them"
+            "prepare() found no body that could freeze: omit the argument bodies, or name at least one body, and give the "
+            "bodies of the stack a free joint (<freejoint/>), one geom or more, and no bodies below them"
         )
     _let_frozen_sleep(spec)
     for body in chosen:
@@ -84,7 +84,7 @@ def _checked(spec: Spec, name: str) -> Any:
 def _reason_against(spec: Spec, body: Any) -> str | None:
     """Return why a body cannot freeze; None if it can freeze."""
     if body.mocap or [joint.type for joint in body.joints] != [mujoco.mjtJoint.mjJNT_FREE]:
-        return "has no free joint as its only joint: prepare free bodies only, because robots are left alone"
+        return "has no free joint as its only joint: prepare free bodies only, because the port leaves robots alone"
     if body.bodies:
         return "carries other bodies: prepare bodies without bodies below them"
     if not any(geom.contype or geom.conaffinity for geom in body.geoms):
@@ -94,7 +94,7 @@ def _reason_against(spec: Spec, body: Any) -> str | None:
         return "has a geom in an explicit contact pair, which acts also while the body is frozen: delete the <pair>"
     tied = {equality.name1 for equality in spec.equalities} | {equality.name2 for equality in spec.equalities}
     if body.name and body.name in tied:
-        return "is tied by an equality constraint, which would pull it while it is frozen: delete the constraint"
+        return "has an equality constraint, which would pull the frozen body: delete the constraint"
     return None
 
 

@@ -2,8 +2,8 @@
 
 - 3.2.1 made the automatic reset of a diverged world optional. Earlier releases silently return a diverged world to its
   start.
-- 3.4.0 introduced sleeping. In earlier releases a parked body costs time in every step, because it cannot sleep.
-- 3.5.0 added the gaps of two geoms. In earlier releases the larger gap counts.
+- 3.4.0 introduced sleeping. In earlier releases a parked body costs time in every step, because the body cannot sleep.
+- 3.5.0 introduced the sum of the gaps of two geoms. In earlier releases the larger gap counts.
 - 3.9.0 lists contacts up to ``margin + gap``, with force from ``margin`` on. Earlier releases list contacts up to
   ``margin``, with force from ``margin - gap`` on.
 - 4.0.0 introduced speculative contacts.
@@ -14,7 +14,7 @@ from __future__ import annotations
 import mujoco
 
 HAS_AUTORESET = hasattr(mujoco.mjtDisableBit, "mjDSBL_AUTORESET")
-"""True if the automatic reset can be switched off."""
+"""True if MuJoCo can switch off the automatic reset."""
 HAS_SLEEP = hasattr(mujoco, "mjtSleepPolicy")
 """True if bodies can sleep."""
 HAS_SPECULATIVE = hasattr(mujoco.mjtEnableBit, "mjENBL_SPECULATIVE")
@@ -25,7 +25,7 @@ _SUMS_GAPS, _LISTS_BEYOND_MARGIN = _RELEASE >= (3, 5), _RELEASE >= (3, 9)
 SLEEP_ALLOWED = mujoco.mjtSleepPolicy.mjSLEEP_ALLOWED.value if HAS_SLEEP else 0
 """Sleep policy of a body that may sleep."""
 SLEEP_NEVER = mujoco.mjtSleepPolicy.mjSLEEP_NEVER.value if HAS_SLEEP else 0
-"""Sleep policy of a body that never sleeps."""
+"""Sleep policy of a body that must not sleep."""
 SLEEPING_OR_SPECULATIVE = (mujoco.mjtEnableBit.mjENBL_SLEEP.value if HAS_SLEEP else 0) | (
     mujoco.mjtEnableBit.mjENBL_SPECULATIVE.value if HAS_SPECULATIVE else 0
 )

@@ -51,7 +51,7 @@ def test_preparing_an_unknown_body() -> None:
 
 
 def test_preparing_a_robot() -> None:
-    with pytest.raises(ValueError, match=r"'arm' has no free joint.*robots are left alone"):
+    with pytest.raises(ValueError, match=r"'arm' has no free joint.*leaves robots alone"):
         prepare(spec_of(world()), ["arm"])
 
 
