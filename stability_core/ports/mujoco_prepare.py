@@ -22,8 +22,9 @@ _COPIED = (
 
 
 def prepare(spec: Spec, bodies: Collection[str] | None = None) -> Spec:
-    """Add ghosts to a model, so that the extension can freeze bodies; call it before ``spec.compile()``.
+    """Add ghosts to a model, so that the extension can freeze bodies.
 
+    Call the function before ``spec.compile()``.
     Each controlled body gets a ghost: an invisible mocap body with the same geoms. The ghost collides only while the
     body is frozen. Other bodies, joints, actuators and sensors keep their ids and their motions. A frozen body must be
     able to sleep. The function therefore enables MuJoCo's sleeping, but for frozen bodies only, unless the model has
@@ -48,8 +49,8 @@ def prepare(spec: Spec, bodies: Collection[str] | None = None) -> Spec:
     chosen = _free_bodies(spec) if bodies is None else [_checked(spec, name) for name in bodies]
     if not chosen:
         raise ValueError(
-            "prepare() found no body that could freeze: omit the argument bodies, or name at least one body, and give the "
-            "bodies of the stack a free joint (<freejoint/>), one geom or more, and no bodies below them"
+            "prepare() found no body that could freeze: omit the argument bodies, or name at least one body, and give "
+            "the bodies of the stack a free joint (<freejoint/>), one geom or more, and no bodies below them"
         )
     _let_frozen_sleep(spec)
     for body in chosen:

@@ -4,10 +4,10 @@ Ids are PyBullet's body ids. The port controls free bodies without joints. All o
 platforms, and bodies that the user leaves out. An obstacle, or a link of an obstacle, that touches a controlled body
 counts as a body that the host moves. A plane counts as the ground.
 
-Contacts: Bullet lists penetrating points only. The port adds the missing corners of contact areas between boxes,
-cylinders, convex meshes and planes. The port uses the velocities after the previous update as the velocities before a
-step. Therefore approach speeds are exact if ``update`` follows each step. If several steps make a frame, approach
-speeds lack the fall of the frame.
+Contacts: Bullet lists some points of a contact area, for example one point across a gap. The port adds the missing
+corners of contact areas between boxes, cylinders, convex meshes and planes. The port uses the velocities after the
+previous update as the velocities before a step. Therefore approach speeds are exact if ``update`` follows each step. If
+several steps make a frame, approach speeds lack the fall of the frame.
 
 Bullet's own sleep is off for controlled bodies, because a sleeping body does not wake when its support leaves the
 world.
@@ -39,7 +39,8 @@ _BASE = -1
 _FRICTION = 1  # column of getDynamicsInfo
 CALM_S = 1.0
 """Time [s] for which obstacles must have kept their places before the port omits them in frames without live bodies.
-The core counts a body that the host has moved as ground after ``Settings.still_s``, 0.5 s, and must see it so long."""
+The core counts a body that the host has moved as ground after ``Settings.still_s``, 0.5 s, and must see the body until
+then."""
 NEAR = 1e-3
 """Greatest gap [m] at which ``find_contacts`` measures the distance of two bodies."""
 
@@ -80,7 +81,7 @@ class PybulletPort:
         self._calm_s = 0.0
         self._ids: IntArray = np.empty(0, np.int64)
         self._rows: FloatArray = np.empty((0, 13))
-        self._read = self._ids, self._rows  # at the latest frame that did not omit the obstacles
+        self._read = self._ids, self._rows  # in the latest frame with obstacles
         if bodies is not None:
             self.add(bodies)
 
@@ -174,14 +175,14 @@ class PybulletPort:
             removed = self._bodies.take_removed()
             return replace(NO_MASSES, removed=removed) if removed else NO_MASSES
         if len(self._bodies.obstacles) + len(self._bodies.live) != len(ids):
-            self._read_motions()  # an obstacle that touches a body for the first time
+            self._read_motions()  # an obstacle touches a body for the first time
             ids, rows = self._ids, self._rows
         mass = np.array([self._bodies.mass_of(body) for body in ids.tolist()])
         self._before = motions_of(ids, rows)
         return Masses(ids, mass, rows[:, :3], self._bodies.take_removed())
 
     def sleep(self, bodies: Sequence[int]) -> None:
-        """Freeze bodies exactly where they are; skip bodies that are not live."""
+        """Freeze bodies at their present poses; skip bodies that are not live."""
         for body in [body for body in bodies if body in self._bodies.live]:
             self._bodies.freeze(body)
             freeze(body, self.client)
@@ -196,14 +197,14 @@ class PybulletPort:
             unfreeze(body, self.client, kept.mass, AWAKE)
             if pybullet.getDynamicsInfo(body, _BASE, self.client)[2] != kept.inertia:
                 pybullet.changeDynamics(body, _BASE, localInertiaDiagonal=kept.inertia, physicsClientId=self.client)
-        if bodies:  # or these bodies keep the gravity with which they froze
+        if bodies:  # otherwise these bodies keep the gravity of their freeze
             self._read_parameters()
             pybullet.setGravity(*self._gravity, physicsClientId=self.client)
 
     # -- helpers -----------------------------------------------------------------------------------
 
     def _audit_next(self) -> None:
-        """Check one body against Bullet, in turn, because a removed body's id may belong to a new body."""
+        """Compare one controlled body with Bullet, in turn, because a removed body's id may belong to a new body."""
         for body in self._bodies.next_changed():
             self._bodies.remove(body)
             self.add([body])

@@ -12,9 +12,9 @@ from stability_core.ports.pybullet_shapes import solid_of
 from stability_core.ports.shared.shapes import ShapeTable
 
 LINK_ID = 1 << 20
-"""The id of link k of an obstacle b is b + (k + 1) LINK_ID; its base, link -1, has the id b."""
+"""Step of the ids of links: link k of an obstacle b has the id b + (k + 1) LINK_ID. The base, link -1, has the id b."""
 MASS_EVERY = 31
-"""Number of checks of ``next_changed`` in which it reads a mass, which takes Bullet as long as half a step."""
+"""Number of calls of ``next_changed`` for each read of a mass, because a read takes Bullet as long as half a step."""
 _BASE = -1
 _MASS, _FRICTION, _INERTIA = 0, 1, 2  # columns of getDynamicsInfo
 
@@ -35,7 +35,7 @@ class PybulletBodies:
         self.live: dict[int, Inertia] = {}
         self.frozen: dict[int, Inertia] = {}
         self.obstacles: dict[int, tuple[int, int]] = {}
-        """Body and link of each obstacle that has touched a controlled body, by id."""
+        """Body and link, by id, of each obstacle that has touched a controlled body."""
         self.movers: list[int] = []
         """Bodies that the port does not control, and that have joints or a mass."""
         self.shapes = ShapeTable()
@@ -82,7 +82,7 @@ class PybulletBodies:
         """Control a free body.
 
         Raises:
-            ValueError: if the body does not exist, is static, has joints, or has been added already.
+            ValueError: if the body does not exist, is static, has joints, or is under control already.
         """
         present = [
             pybullet.getBodyUniqueId(index, self._client) for index in range(pybullet.getNumBodies(self._client))
@@ -100,7 +100,7 @@ class PybulletBodies:
         self._control(body)
 
     def _control(self, body: int) -> None:
-        """Start to control a free body, which is no obstacle from now on."""
+        """Start to control a free body; delete the body from the obstacles."""
         self.obstacles.pop(body, None)
         info = pybullet.getDynamicsInfo(body, _BASE, self._client)
         self.live[body] = Inertia(info[_MASS], info[_INERTIA])
@@ -144,7 +144,7 @@ class PybulletBodies:
         mass = pybullet.getDynamicsInfo(body, _BASE, self._client)[_MASS]
         if not is_frozen:
             return [] if mass == self.live[body].mass else [body]
-        if mass == 0.0 and not stays:  # moved by the host while it is frozen
+        if mass == 0.0 and not stays:  # the host has moved the frozen body
             kept = self.frozen[body]
             unfreeze(body, self._client, kept.mass, pybullet.ACTIVATION_STATE_WAKE_UP)
         return [] if mass == 0.0 and stays else [body]
@@ -160,7 +160,7 @@ class PybulletBodies:
         return float("inf") if body is None else body.mass
 
     def friction_of(self, body: int, link: int) -> float:
-        """Return the coefficient of a body; the coefficient of a pair is the product of both."""
+        """Return the coefficient of friction of a body; the coefficient of a pair is the product of both."""
         known = self._friction.get((body, link))
         if known is None:
             known = self._friction[body, link] = pybullet.getDynamicsInfo(body, link, self._client)[_FRICTION]

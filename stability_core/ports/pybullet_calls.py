@@ -1,6 +1,6 @@
-"""Calls of PyBullet for contacts and freezing, shared by the port and by the suite's adapter.
+"""Calls of PyBullet for contacts and freezing, for the port and for the suite's adapter.
 
-Freezing: ``freeze`` stops the body, and sets its mass to 0 and its activation state to asleep. The body is then static:
+``freeze`` stops the body, and sets its mass to 0 and its activation state to asleep. The body is then static:
 no step of Bullet changes a bit of its pose, and Bullet does not collide two frozen bodies. Unfreezing restores the
 mass, and Bullet then computes inertia and gravity again.
 """
@@ -47,7 +47,7 @@ def forces_of(listed: Sequence[Listed]) -> FloatArray:
 
 
 def stop(handle: int, client: int) -> None:
-    """Set both velocities of a body to zero."""
+    """Set the velocity and the angular velocity of a body to zero."""
     pybullet.resetBaseVelocity(handle, _NOT_MOVING, _NOT_MOVING, client)
 
 

@@ -15,7 +15,7 @@ _BASE = -1
 _BODY_TYPE, _MAXIMAL = 10, 1
 """Column of getDynamicsInfo, and its value for a body in maximal coordinates."""
 _INERTIA_FITS = 0.02
-"""Greatest relative difference of moments of inertia of the same shape. Bullet computes them in single or double
+"""Greatest relative difference of moments of inertia of the same shape. Bullet computes the moments in single or double
 precision."""
 
 
@@ -57,8 +57,8 @@ def solid_of(body: int, client: int, *, is_hull: bool) -> Solid | None:
 def _shapes_of(body: int, client: int) -> tuple[tuple[Any, ...], ...]:
     """Return PyBullet's rows of a body's collision shapes; empty if the collision shapes are unknown.
 
-    PyBullet does not report the collision shape of a body in maximal coordinates. Its visual shape counts instead if
-    the body's moments of inertia, which Bullet computes from the collision shape, fit the visual shape.
+    PyBullet does not report the collision shape of a body in maximal coordinates. The visual shape counts
+    instead if the body's moments of inertia, which Bullet computes from the collision shape, fit the visual shape.
     """
     info = pybullet.getDynamicsInfo(body, _BASE, client)
     if info[_BODY_TYPE] != _MAXIMAL:

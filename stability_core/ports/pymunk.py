@@ -2,11 +2,12 @@
 
 The port controls dynamic bodies without joints. All other bodies are obstacles: static and kinematic bodies, bodies
 with joints, and bodies that the user leaves out. The shapes of ``space.static_body`` are the ground. The port numbers
-the bodies; the attachment's methods accept ``pymunk.Body``.
+the bodies. The attachment's methods accept ``pymunk.Body``.
 
 Plane: pymunk's axes x and y are the core's axes x and z. A contact point represents a line across the plane. The line
-is as long as the reach of the smaller body, and the port lists both ends. Units are the space's own, because the core
-counts lengths in sizes of a body. Where a docstring says metre, read the unit of the space, for example a pixel.
+is as long as the reach of the smaller body, and the port lists both ends. The port keeps the units of the space,
+because the core counts lengths in sizes of a body. Where a docstring says metre, read the unit of the space, for
+example a pixel.
 
 Contacts: Chipmunk lists overlapping pairs. Chipmunk lists no contact between a kinematic and a frozen body. Therefore
 the port queries the shapes of kinematic and static bodies that have moved. Chipmunk lists an impact only in the step
@@ -34,12 +35,12 @@ from stability_core.ports.shared.nothing import NO_CONTACTS, NO_MASSES
 
 CALM_S = 1.0
 """Time [s] for which nothing must have moved before the port omits the obstacles. The core counts a body that the host
-has moved as ground after ``Settings.still_s``, 0.5 s, and must see it so long."""
+has moved as ground after ``Settings.still_s``, 0.5 s, and must see the body until then."""
 LOOK_S = 0.05
 """Time [s] between two looks at the whole space while all controlled bodies are frozen and nothing moves, because a
 look at a hundred bodies costs more than Chipmunk's step of a hundred static bodies."""
 _TURNED = 1e-4
-"""Least change of an obstacle's angle [rad] that counts as a turn."""
+"""Greatest change of an obstacle's angle [rad] that is no turn."""
 
 
 def open_port(world: pymunk.Space, bodies: Collection[pymunk.Body] | None) -> PymunkPort:
@@ -78,19 +79,19 @@ class PymunkPort:
         self._look_s = math.inf  # time since the latest look that found nothing moved
         self._movers: list[int] = []
         self._known: set[int] = set()  # ids that the core knows
-        self._dropped: list[int] = []  # ids that left in the latest update, whose rows the core still ignores
+        self._dropped: list[int] = []  # ids that left in the latest update
         for planar in bodies or ():
             self._bodies.add(planar)
         self._bodies.follow()
         self._reader.assign(self._bodies.rows)
         self._state = self._earlier = self._read_state()
         self._touching = np.zeros(len(self._state), np.bool_)
-        self._lifted(arbiters_of([], []), self._bodies.is_live, self._state[:, 3:])  # compiles, so that no frame waits
+        self._lifted(arbiters_of([], []), self._bodies.is_live, self._state[:, 3:])  # compile it now: no frame waits
 
     # -- called by the attachment ------------------------------------------------------------------
 
     def gravity(self) -> tuple[float, float, float]:
-        """Return the space's gravity, as the port read it last, along the core's axes."""
+        """Return the space's gravity at the latest read of the port, along the core's axes."""
         x, y = self._gravity
         return x, 0.0, y
 
@@ -161,7 +162,7 @@ class PymunkPort:
             KeyError: if the body is not in the space.
         """
         if body not in self._bodies.id_of and isinstance(body, pymunk.Body) and body.space is self.space:
-            self._refresh()  # a body that came after the latest update
+            self._refresh()  # find the bodies that came after the latest update
         if body not in self._bodies.id_of:
             raise KeyError(f"{body} is not in this pymunk space: call space.add(body, shape) first")
         return self._bodies.id_of[body]
@@ -228,7 +229,7 @@ class PymunkPort:
         return Masses(ids, bodies.mass[rows], centers, removed)
 
     def sleep(self, bodies: Sequence[int]) -> None:
-        """Freeze bodies exactly where they are; skip bodies that are not live.
+        """Freeze bodies at their present poses; skip bodies that are not live.
 
         Raises:
             RuntimeError: if the space is inside a step.
@@ -269,7 +270,7 @@ class PymunkPort:
         self._earlier[new], self._touching[new] = earlier[old], touching[old]
 
     def _read_state(self) -> FloatArray:
-        """Return centre of mass (2), angle, velocity (2) and spin of each row, shape (rows, 6).
+        """Return centre of mass (2), angle, velocity (2) and spin of each row in units of the space, shape (rows, 6).
 
         Raises:
             ValueError: if a number is not finite.

@@ -1,7 +1,7 @@
 """Record of the bodies of a pymunk space: live bodies, frozen bodies and obstacles, and the row of each body in arrays.
 
-The port numbers the bodies, because pymunk identifies them by memory addresses. A body keeps its id while it is in the
-space. Rows are in the order of the ids; the last row is the space's own static body, which counts as the ground.
+The port numbers the bodies, because pymunk identifies bodies by memory addresses. A body keeps its id as long as the
+body is in the space. Rows are in the order of the ids. The last row is ``space.static_body``, which counts as ground.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from stability_core.ports.pymunk_calls import forget_pairs, freeze, unfreeze
 from stability_core.ports.pymunk_touch import reach_of
 
 AUDIT_EVERY = 8
-"""Number of frames in which the record reads the shapes of one body again, which takes as long as a small step."""
+"""Number of frames for each read of the shapes of one body, because a read takes as long as a step of a small space."""
 
 
 class Inertia(NamedTuple):
-    """The properties that a body loses when it becomes static."""
+    """The properties of a body that pymunk deletes when the body becomes static."""
 
     mass: float
     moment: float
@@ -41,8 +41,8 @@ class PymunkBodies:
         self.live: set[pymunk.Body] = set()
         self.touched: set[int] = set()
         """Ids of the obstacles that have touched a controlled body."""
-        self._listed: set[pymunk.Body] = set()  # bodies that the host added by name
-        self._left_out: set[pymunk.Body] = set()  # bodies that the host removed by name
+        self._listed: set[pymunk.Body] = set()  # bodies that the host passed to ``add``
+        self._left_out: set[pymunk.Body] = set()  # bodies that the host passed to ``remove``
         self._removed: list[int] = []
         self._next = 0
         self._seen: tuple[list[pymunk.Body], list[pymunk.Constraint], int] | None = None
@@ -52,17 +52,18 @@ class PymunkBodies:
         self.ids: IntArray = np.empty(0, np.int64)
         """Id of each row, in rising order; the last row has the id ``GROUND``."""
         self.mass: FloatArray = np.empty(0)
-        """Mass of each row: infinite for obstacles; meaningless for frozen bodies."""
+        """Mass of each row: infinite for obstacles, without a meaning for frozen bodies."""
         self.is_live: BoolArray = np.empty(0, np.bool_)
         self.is_frozen: BoolArray = np.empty(0, np.bool_)
         self.is_loose: BoolArray = np.empty(0, np.bool_)
-        """Obstacles that forces move, such as the parts of a ragdoll."""
+        """Mask of the obstacles that move by forces, such as the parts of a ragdoll."""
         self.has_loose = False
         self.has_kinematic = False
         self.friction: FloatArray = np.empty(0)
-        """Coefficient of each row; the coefficient of a pair is the product of both."""
+        """Coefficient of friction of each row; the coefficient of a pair is the product of both."""
         self.depths: FloatArray = np.empty(0)
-        """Extent of each row across the plane: its reach, so that a contact is no edge; infinite for the ground."""
+        """Extent of each row across the plane: the reach of the body, or infinity for the ground. With a much
+        smaller extent, a contact would count as an edge."""
         self.centers: FloatArray = np.empty((0, 2))
         """Centre of gravity in the body's own coordinates."""
 
@@ -88,7 +89,7 @@ class PymunkBodies:
         if self.live or self.has_loose or self.has_kinematic or self._seen is None:
             return False
         (bodies, joints, shapes), space = self._seen, self._space
-        # pymunk's properties copy their lists
+        # private lists, because pymunk's public properties copy the lists
         return (len(space._bodies), len(space._constraints), len(space._shapes)) == (len(bodies), len(joints), shapes)
 
     def refresh(self) -> None:
@@ -123,7 +124,7 @@ class PymunkBodies:
 
         Raises:
             TypeError: if ``planar`` is no body of pymunk.
-            ValueError: if the body is not in the space, cannot freeze, or that the port controls already.
+            ValueError: if the body is not in the space, cannot freeze, or is under control already.
         """
         if not isinstance(planar, pymunk.Body):
             raise TypeError(f"the port to pymunk controls pymunk.Body, got {type(planar).__name__}: pass bodies")
@@ -192,7 +193,7 @@ class PymunkBodies:
     # -- helpers -----------------------------------------------------------------------------------
 
     def _make_dynamic(self, planar: pymunk.Body) -> None:
-        """Make a frozen body dynamic, with the mass, moment and centre of gravity that it had."""
+        """Make a frozen body dynamic, with its former mass, moment of inertia and centre of gravity."""
         kept, position = self.frozen.pop(planar), planar.position
         unfreeze(planar, kept.mass, kept.moment)
         if kept.center != (0.0, 0.0):  # pymunk has moved the centre of gravity to the body's origin

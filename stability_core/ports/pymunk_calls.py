@@ -1,6 +1,6 @@
-"""Calls of pymunk for freezing, shared by the port and by the suite's adapter.
+"""Calls of pymunk for freezing, for the port and for the suite's adapter.
 
-Freezing: the body stops and becomes static. No step of Chipmunk changes a bit of its pose. A body that becomes dynamic
+``freeze`` stops a body and makes it static. No step of Chipmunk changes a bit of its pose. A body that becomes dynamic
 again has lost its mass and moment of inertia, so that the caller sets both.
 
 Traps:

@@ -11,14 +11,14 @@ import pymunk
 from stability_core.port import FloatArray
 
 _STEP = 0.02
-"""Greatest difference of ``dt`` from a whole number of steps, in steps."""
+"""Greatest difference of ``dt`` from a whole number of steps [steps], because sums of time steps round."""
 
 
 def check_outside_step(space: pymunk.Space, call: str) -> None:
     """Raise ``RuntimeError`` if ``call`` happens inside a step, where pymunk aborts the process."""
     if space._locked:
         raise RuntimeError(
-            f"{call} was called inside space.step(), in a callback of a collision: call it after space.step(), "
+            f"the program called {call} inside space.step(), in a callback of a collision: call it after space.step(), "
             "because pymunk cannot make a body static inside a step"
         )
 
@@ -47,6 +47,6 @@ def check_finite(bodies: Sequence[pymunk.Body], state: FloatArray) -> None:
     if not np.isfinite(state).all():
         row = np.flatnonzero(~np.isfinite(state).all(axis=1))[0]
         raise ValueError(
-            f"{bodies[row]} has a pose or a velocity that is not finite: the simulation has diverged; use a smaller "
-            "step, or remove the body"
+            f"{bodies[row]} has a pose or a velocity that is not finite, because the simulation has diverged: use a "
+            "smaller step, or remove the body"
         )

@@ -32,8 +32,8 @@ def lift_contacts(
     """Return the contacts that touch a live body, sorted by the bodies' rows, in three dimensions.
 
     Each of Chipmunk's points gives two points: the ends of a line along y, as long as the smaller depth of the pair.
-    Chipmunk may swap the bodies of a pair from step to step; in the result body a has the lower row. Between corners
-    that coincide to the last bit Chipmunk reports a normal of length zero and no force: the kernel skips this pair.
+    Chipmunk may swap the bodies of a pair from step to step; in the result body a has the lower row. Between
+    coincident corners Chipmunk reports a normal of length zero and no force. The kernel skips this pair.
 
     Args:
         engine_ids: the engine's ids of all bodies, sorted.
@@ -41,7 +41,7 @@ def lift_contacts(
             below.
         arbiters: engine ids of a and b, and the number of points, shape (m, 3).
         numbers: the numbers of each arbiter, shape (m, 12), with the columns of ``pymunk_reader.Arbiters``.
-        is_live: whether each body is live, by row, shape (n + fixed,).
+        is_live: mask of the live bodies, by row, shape (n + fixed,).
         fixed: number of bodies with negative rows.
         state: states by row, with the columns of ``SpaceReader.state``, shape (n + fixed, 6).
         before: velocity and spin before each substep, by row, shape (substeps, n + fixed, 3).

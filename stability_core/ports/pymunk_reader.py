@@ -1,7 +1,8 @@
-"""Reader of Chipmunk's bodies and contacts in batch arrays, shared by the port and by the suite's adapter.
+"""Reader of Chipmunk's bodies and contacts in batch arrays, for the port and for the suite's adapter.
 
 Each body has a row in the arrays. In the suite the row of a body is its id. The ground has the last row, -1, and the
-fixed boxes have the rows before it, so that their negative ids select these rows. The port numbers the rows.
+fixed boxes have the rows before it, so that their negative ids select these rows. In the
+port, row k is the row of body k of a list (see ``SpaceReader.assign``).
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ Arbiters = tuple[IntArray, FloatArray]
 
 
 class SpaceReader:
-    """Reader of one world of Chipmunk. The reader keeps the latest state until a body changes."""
+    """Reader of one space of Chipmunk. The reader keeps the latest state until a body changes."""
 
     def __init__(self, space: pymunk.Space, fixed_rows: int = 0) -> None:
         self._space = space
@@ -53,7 +54,7 @@ class SpaceReader:
         self._latest: FloatArray | None = None
         self._raw = b""  # the buffer of the latest call of ``has_changed``
         self.rows = fixed_rows
-        """Number of rows: one per body id assigned so far, and one for the ground and for each fixed box."""
+        """Number of rows: one for each body id up to now, one for the ground, and one for each fixed box."""
         self.engine_ids = np.empty(0, np.int64)
         """The engine's id of every body, sorted. These ids are memory addresses."""
         self.ids = np.empty(0, np.int64)
@@ -69,7 +70,7 @@ class SpaceReader:
         self._latest = None
 
     def assign(self, planars: Sequence[pymunk.Body]) -> None:
-        """Register all bodies of the space, the bodies ``planars`` under the rows 0, 1, and so on."""
+        """Register ``planars``, all bodies of the space, under the rows 0, 1, and so on."""
         engine_ids = np.array([planar.id for planar in planars], np.int64)
         self.ids = np.argsort(engine_ids)
         self.engine_ids = engine_ids[self.ids]

@@ -11,7 +11,7 @@ from stability_core.ports.pymunk_reader import Arbiters, arbiters_of, numbers_of
 from stability_core.ports.pymunk_touch import collide, found_contacts, meeting_of, outline_of
 
 FAST = 0.05
-"""Least way in a frame, in reaches of a body, at which the port looks ahead for a frozen body in the body's way."""
+"""Path of a body in a frame [reaches of the body], above which the port looks ahead for frozen bodies on this path."""
 HORIZON = 2.0
 """Number of frames for which the port looks ahead, because a struck body must be live in the step of the impact."""
 
@@ -24,7 +24,7 @@ def contacts_in_place(space: pymunk.Space, bodies: PymunkBodies) -> Arbiters:
 
 
 def fast_rows(bodies: PymunkBodies, state: FloatArray, dt: float) -> IntArray:
-    """Return the rows of live bodies and loose obstacles that move beyond the listed gaps within a frame.
+    """Return the rows of live bodies and loose obstacles with a path above ``FAST`` in a frame.
 
     Args:
         bodies: the bodies of the space.
@@ -42,7 +42,7 @@ def contacts_ahead(space: pymunk.Space, bodies: PymunkBodies, rows: IntArray, st
 
     Args:
         space: the space.
-        bodies: its bodies.
+        bodies: the bodies of the space.
         rows: rows of ``bodies``, shape (k,).
         state: states of the rows, with the columns of ``SpaceReader.state``.
         dt: length of the frame [s].

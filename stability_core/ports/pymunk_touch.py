@@ -18,7 +18,7 @@ from stability_core.ports.pymunk_reader import Arbiters, arbiters_of, numbers_of
 NEAR = 0.01
 """Greatest gap of a pair, in reaches of the smaller shape, because Chipmunk lists no contact at a gap of zero."""
 _ADVANCES = 4
-"""Number of steps of ``meeting_of``: one for each pair of edges that faces the other on the way."""
+"""Greatest number of steps of ``meeting_of``, because the pair of facing edges may change on the way."""
 _SAME = 1e-6
 """Length of a common line, in reaches, below which two shapes meet in a corner."""
 
@@ -86,7 +86,7 @@ def found_contacts(shapes: list[pymunk.Shape], partners: list[pymunk.Shape]) -> 
 
 
 def touch_of(a: Outline, b: Outline) -> Touch:
-    """Return the contact of two shapes; without points if they do not touch within ``NEAR``, or meet in a corner."""
+    """Return the contact of two shapes; without points for a gap above ``NEAR`` and for a corner."""
     near = NEAR * min(a.reach, b.reach)
     if len(a.corners) == 1:
         touch = _touch_of_circle(b, a).turned()
@@ -138,7 +138,7 @@ def collide(a: pymunk.Shape, b: pymunk.Shape) -> bool:
 
 
 def _near_pairs(outlines: list[Outline], count: int) -> Iterator[tuple[int, int]]:
-    """Yield the pairs of rows whose bounding boxes touch, of which the first row is one of the first ``count`` rows."""
+    """Yield the pairs of rows with touching bounding boxes; the first row is among the first ``count`` rows."""
     grown = [outline.radius + NEAR * outline.reach for outline in outlines]
     low = np.array([np.min(outline.corners, axis=0) for outline in outlines]).reshape(-1, 2) - np.array(grown)[:, None]
     high = np.array([np.max(outline.corners, axis=0) for outline in outlines]).reshape(-1, 2) + np.array(grown)[:, None]
@@ -161,7 +161,7 @@ def _height(point: Point, start: Point, normal: Point) -> float:
 
 
 def _touch_of_circle(a: Outline, circle: Outline) -> Touch:
-    """Return the contact of a shape and a circle, whatever their gap."""
+    """Return the contact of a shape and a circle, at any gap."""
     (cx, cy), inside, normal = circle.corners[0], -math.inf, (0.0, 1.0)
     nearest, gap = a.corners[0], math.inf
     for start, end, outward in _edges(a.corners):
@@ -190,7 +190,7 @@ def _touch_of_circle(a: Outline, circle: Outline) -> Touch:
 
 
 def _touch_of_edges(a: Outline, b: Outline) -> Touch:
-    """Return the contact of two shapes with edges, whatever their gap; without points if they meet in a corner."""
+    """Return the contact of two shapes with edges, at any gap; without points if the shapes meet in a corner."""
     gap_a, edge_a = _separation(a, b)
     gap_b, edge_b = _separation(b, a)
     if gap_b > gap_a + _SAME * min(a.reach, b.reach):

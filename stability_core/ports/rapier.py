@@ -1,11 +1,11 @@
 """A port to a Rapier world that the user owns.
 
-Ids are ``id_of(handle)`` of the handles of bodies. The port controls free dynamic bodies. All other bodies are
+The id of a body is ``id_of(handle)``. The port controls free dynamic bodies. All other bodies are
 obstacles: kinematic and fixed bodies, bodies with joints, with locked axes or without the world's gravity, and bodies
 that the user leaves out. Colliders without a body are obstacles as well.
 
-Contacts: Rapier's own, and the missing corners of contact areas between boxes, standing cylinders, convex polyhedra and
-half spaces. The port changes no setting of the world or of a live body.
+The port returns Rapier's contacts, and adds the missing corners of contact areas between boxes, standing cylinders,
+convex polyhedra and half spaces. The port changes no setting of the world or of a live body.
 """
 
 from __future__ import annotations
@@ -39,8 +39,8 @@ from stability_core.ports.shared.vectors import dot
 __all__ = ["RapierWorld", "id_of", "open_port"]
 
 MAX_SEPARATION = 0.1e-3
-"""Greatest gap [m] of a point that counts. Rapier also lists points within its prediction distance, but bodies at rest
-sink into its soft contacts."""
+"""Greatest gap [m] of a contact point. Rapier also lists points within its prediction distance. The value may be small,
+because bodies at rest sink into Rapier's soft contacts."""
 
 
 def open_port(world: Any, bodies: Collection[int] | None) -> FreeBodyPort:
@@ -72,7 +72,7 @@ class RapierWorld(FreeBodyWorld):
     def __init__(self, world: rapier3d.PhysicsWorld) -> None:
         self.world = world
         self._bodies = RapierBodies(world)
-        # frozen bodies that Rapier still processes in each step, in the order of the stages of ``rest``
+        # frozen bodies on Rapier's list of active bodies, in the order of the stages of ``rest``
         self._active, self._kinematic, self._asleep = set[int](), set[int](), set[int]()
 
     def gravity(self) -> Vector:
@@ -91,8 +91,8 @@ class RapierWorld(FreeBodyWorld):
         if not quarantine.is_empty():
             lost = [id_of(handle) for handle in quarantine.bodies]
             raise ValueError(
-                f"Rapier has disabled the bodies {lost}, because a pose or a velocity was not finite: the simulation "
-                "has diverged; use a smaller step or softer contacts, or remove the bodies"
+                f"Rapier has disabled the bodies {lost}, because a pose or a velocity was not finite, and the "
+                "simulation has diverged: use a smaller step or softer contacts, or remove the bodies"
             )
 
     def has_changed(self) -> bool:
@@ -100,11 +100,11 @@ class RapierWorld(FreeBodyWorld):
         return self._bodies.follow()
 
     def can_read(self, bodies: Collection[int]) -> bool:
-        """Return True if bodies are in the world, and the world has as many bodies and colliders as before."""
+        """Return True if ``bodies`` are in the world, and the numbers of bodies and colliders are as before."""
         return self._bodies.are_current(bodies)
 
     def rest(self) -> None:
-        """Take frozen bodies off Rapier's list of active bodies, in three stages, one stage for a body in each call.
+        """Take frozen bodies off Rapier's list of active bodies, in three stages; each call makes one stage of a body.
 
         A body whose type has changed stays on the list, unless the body is kinematic and has been asleep for a step.
         Therefore a frozen body first becomes kinematic, then falls asleep, then becomes fixed. A kinematic body at rest
@@ -137,11 +137,11 @@ class RapierWorld(FreeBodyWorld):
         if view.locked_axes.bits:
             return "has locked axes: leave it out, or set locked_axes = rapier3d.LockedAxes.empty()"
         if not view.is_enabled:
-            return "is disabled: leave it out, or set is_enabled = True once the cause is fixed"
+            return "is disabled: leave it out, or set is_enabled = True after you fix the cause"
         if view.mass <= 0.0:
             return "has no mass: give its collider a density or a mass"
         if any(collider.contact_skin for collider in self._bodies.colliders_of(body)):
-            return "has a collider with a skin, across which it touches: leave it out, or set contact_skin = 0.0"
+            return "has a collider with a skin, which touches across a gap: leave it out, or set contact_skin = 0.0"
         return None
 
     def mass(self, body: int) -> float:
@@ -149,7 +149,7 @@ class RapierWorld(FreeBodyWorld):
         return float(self._bodies.views[body].mass)
 
     def solid(self, body: int) -> Solid | None:
-        """Return the shape of a body, relative to its centre of mass; None if it is round, concave or compound."""
+        """Return the shape of a body, relative to its centre of mass: see ``solid_of``."""
         view = self._bodies.views.get(body)
         center = np.zeros(3) if view is None else np.array(view.local_center_of_mass.to_tuple())
         return solid_of(self._bodies.colliders_of(body), center)
@@ -165,7 +165,7 @@ class RapierWorld(FreeBodyWorld):
         return np.concatenate([lower, np.max([box.maxs.to_tuple() for box in boxes], axis=0, initial=-np.inf)])
 
     def is_kinematic(self, body: int) -> bool:
-        """Return True for a body that the user moves; the engine lists no contact between it and a frozen body."""
+        """Return True for a body that the user moves; Rapier lists no contact between this body and a frozen body."""
         return body in self._bodies.views and bool(self._bodies.views[body].is_kinematic)
 
     def is_mover(self, body: int) -> bool:
@@ -173,7 +173,7 @@ class RapierWorld(FreeBodyWorld):
         return body in self._bodies.views and bool(self._bodies.views[body].is_dynamic)
 
     def freeze(self, body: int) -> None:
-        """Freeze a live body exactly where it is."""
+        """Freeze a live body at its present pose."""
         freeze(self._bodies.views[body])
         self._active.add(body)
 

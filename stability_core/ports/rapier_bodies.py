@@ -1,4 +1,4 @@
-"""Rapier's bodies and colliders by their ids, and the frames in which Rapier gives their contact points."""
+"""Rapier's bodies and colliders by their ids, and the frames of their contact points."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from stability_core.port import FloatArray
 from stability_core.ports.rapier_shapes import IDENTITY, Frame, frames_of
 
 _COLLIDER = 1 << 62
-"""Number added to the id of a collider without a body, so that it is the id of no body."""
+"""Summand of the id of a collider without a body, so that the id differs from the id of every body."""
 Pair: TypeAlias = tuple[int, int, rapier3d.ContactPair]
 """Bodies a and b of a pair, and Rapier's pair."""
 
@@ -32,7 +32,7 @@ class RapierBodies:
     def __init__(self, world: rapier3d.PhysicsWorld) -> None:
         self._world = world
         self.views: dict[int, rapier3d.RigidBody] = {}
-        """Rapier's view of each body; colliders without a body have none."""
+        """Rapier's view of each body. A collider without a body has no view."""
         self.handles: dict[int, rapier3d.RigidBodyHandle] = {}
         """Handle of each body."""
         self.colliders: dict[int, list[rapier3d.ColliderHandle]] = {}
@@ -41,7 +41,7 @@ class RapierBodies:
         self._collider_count = 0
         self._knows_all = False  # False once a contact has named an unknown collider
         self._body_of: dict[rapier3d.ColliderHandle, int] = {}
-        self._frames: dict[rapier3d.ColliderHandle, list[Frame]] = {}  # of colliders with a frame of their own
+        self._frames: dict[rapier3d.ColliderHandle, list[Frame]] = {}  # of colliders with another frame than the body
         self._with_center: set[int] = set()  # bodies whose centre of mass is not the origin of their frame
 
     def follow(self) -> bool:
@@ -64,7 +64,7 @@ class RapierBodies:
         return True
 
     def are_current(self, bodies: Collection[int]) -> bool:
-        """Return True if bodies are in the world, and the world has as many bodies and colliders as at ``follow``."""
+        """Return True if ``bodies`` are in the world, and the numbers of bodies and colliders are as at ``follow``."""
         present, colliders = self._world.rigid_bodies, self._world.colliders
         if not self._knows_all or len(present) != len(self._listed) or len(colliders) != self._collider_count:
             return False

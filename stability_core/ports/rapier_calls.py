@@ -1,13 +1,13 @@
-"""Calls of Rapier for contacts and freezing, shared by the port and by the suite's adapter.
+"""Calls of Rapier for contacts and freezing, for the port and for the suite's adapter.
 
-Freezing: the body stops and becomes ``FIXED``. A body that becomes ``DYNAMIC`` again has the mass and inertia of its
+``freeze`` stops a body and makes it ``FIXED``. A body that becomes ``DYNAMIC`` again has the mass and inertia of its
 colliders. Rapier scales a body's quaternion to unit length when its type changes and in later steps. Single precision
 may have no quaternion of exactly unit length nearby. Each scaling then changes a last bit, so that a freeze first
 settles the rotation (``rapier_rotation.py``).
 
-Contacts are points in the frames of the two colliders, detected at the start of the latest step or earlier: Rapier
-keeps a manifold, with an outdated distance, while the pair hardly moves. Therefore the caller moves points and normals
-with the bodies to the present poses, and measures the separation there.
+Contacts are points in the frames of the two colliders. Rapier detects contacts at the start of a step. As long as a
+pair hardly moves, Rapier keeps the contact points (the manifold) of an earlier step with their old distances. Therefore
+the caller moves points and normals with the bodies to the present poses, and measures the separation there.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from stability_core.ports.rapier_rotation import settle_rotation
 from stability_core.ports.shared.vectors import rotate, rows_of
 
 STRETCH = 1e-4
-"""Stretch of a copy of a world. The normal between two polyhedra or cylinders with a gap of exactly 0 is an accident of
-rounding; by the stretch bodies of 10 mm have a gap of 1 um. Contact points do not move, because Rapier gives them in
+"""Stretch of a copy of a world. Rounding determines the normal between two polyhedra or cylinders with a gap of 0. By
+the stretch, bodies of 10 mm have a gap of 1 um. Contact points do not move, because Rapier gives them in
 the frames of the bodies.
 """
 
@@ -48,7 +48,7 @@ def friction_of(first: rapier3d.Collider, second: rapier3d.Collider) -> float:
 
 def freeze(view: rapier3d.RigidBody) -> None:
     """Make a dynamic body fixed."""
-    stop(view)  # because a fixed body with a velocity keeps moving
+    stop(view)  # a fixed body with a velocity would keep moving
     view.body_type = rapier3d.RigidBodyType.FIXED
     settle_rotation(view)
 
@@ -60,14 +60,15 @@ def unfreeze(view: rapier3d.RigidBody) -> None:
 
 
 def stop(view: rapier3d.RigidBody) -> None:
-    """Set both velocities of a body to zero."""
+    """Set the velocity and the angular velocity of a body to zero."""
     view.linvel = view.angvel = rapier3d.Vec3.zeros()
 
 
 def copy_of(world: rapier3d.PhysicsWorld) -> rapier3d.PhysicsWorld:
     """Return a copy of a world for the detection of collisions; its colliders have the same handles.
 
-    ``detect_collisions`` in the world itself changed later poses, and once made the next step crash.
+    Do not call ``detect_collisions`` in the world itself, because the call changed later poses, and once made the next
+    step crash.
     """
     return rapier3d.PhysicsWorld.restore(world.snapshot())
 

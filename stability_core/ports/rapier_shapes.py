@@ -22,7 +22,8 @@ def frames_of(collider: rapier3d.Collider) -> list[Frame]:
     """Return the frames, in the frame of the body, in which Rapier gives the points of a collider.
 
     Returns:
-        A frame for each shape of a compound collider, otherwise one frame. Empty if that frame is the body's own.
+        A frame for each shape of a compound collider, otherwise one frame; no frame if the frame of the collider is the
+        frame of the body.
     """
     placed = collider.position_wrt_parent or rapier3d.Isometry3.identity()  # None without a body
     compound = collider.shape.as_compound()

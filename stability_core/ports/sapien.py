@@ -6,8 +6,8 @@ Ids are SAPIEN's ``entity.per_scene_id``. The port controls free dynamic bodies.
 - bodies with joints (drives are joints), with locked axes, or without gravity;
 - bodies that the user leaves out.
 
-Contacts: PhysX's own, and the missing corners of contact areas between boxes, standing cylinders, convex meshes and
-planes. The port changes no setting of the scene or of a live body.
+The port returns PhysX's contacts, and adds the missing corners of contact areas between boxes, standing cylinders,
+convex meshes and planes. The port changes no setting of the scene or of a live body.
 """
 
 from __future__ import annotations
@@ -63,13 +63,13 @@ class SapienWorld(FreeBodyWorld):
     def __init__(self, system: Any) -> None:
         self.system = system
         x, y, z = system.config.gravity.tolist()
-        self._gravity = x, y, z  # read once, because a change after the system's creation has no effect
+        self._gravity = x, y, z  # a later change has no effect
         self._listed: list[list[Component]] = []
         self._removed: list[list[Component]] = []  # because contacts refer to removed bodies until the next step
         self._components: dict[int, Component] = {}
         self._ids: dict[Component, int] = {}
-        self._centers: dict[int, FloatArray] = {}  # of the bodies whose centre is not the origin of their frame
-        self._parents: set[int] = set()  # bodies to which another body is joined
+        self._centers: dict[int, FloatArray] = {}  # of bodies whose centre is not the origin of the frame
+        self._parents: set[int] = set()  # bodies to which a joint ties another body
         self._states = BodyStates(system, self._components, self._ids)
 
     def gravity(self) -> Vector:
@@ -130,7 +130,7 @@ class SapienWorld(FreeBodyWorld):
         if part.disable_gravity:
             return "has disable_gravity set, so that it stands by itself: leave it out, or set disable_gravity = False"
         if any(part.locked_motion_axes):
-            return "has locked axes: leave it out, or unlock it by set_locked_motion_axes([False] * 6)"
+            return "has locked axes: leave it out, or call set_locked_motion_axes([False] * 6)"
         return None
 
     def mass(self, body: int) -> float:
@@ -138,7 +138,7 @@ class SapienWorld(FreeBodyWorld):
         return float(self._components[body].mass)
 
     def solid(self, body: int) -> Solid | None:
-        """Return the shape of a body, relative to its centre of mass; None if it is round, concave or compound."""
+        """Return the shape of a body, relative to its centre of mass: see ``solid_of``."""
         return solid_of(self._components[body])
 
     def motions(self, bodies: list[int]) -> FloatArray:
@@ -163,7 +163,7 @@ class SapienWorld(FreeBodyWorld):
         return corners
 
     def is_kinematic(self, body: int) -> bool:
-        """Return True for a body that the user moves; the engine lists no contact between it and a frozen body."""
+        """Return True for a body that the user moves; PhysX lists no contact between this body and a frozen body."""
         return self._is_dynamic(body) and bool(self._components[body].kinematic)
 
     def is_mover(self, body: int) -> bool:
@@ -173,7 +173,7 @@ class SapienWorld(FreeBodyWorld):
         return not is_static and not self.is_kinematic(body)
 
     def freeze(self, body: int) -> None:
-        """Freeze a live body exactly where it is."""
+        """Freeze a live body at its present pose."""
         freeze(self._components[body])
 
     def unfreeze(self, body: int) -> None:
@@ -200,7 +200,7 @@ class SapienWorld(FreeBodyWorld):
 
 
 def _motion_of(part: Component) -> tuple[float, ...]:
-    """Return the motion of a static body or a link, in the columns of ``body_motions``, with its frame as centre."""
+    """Return the motion of a static body or a link, in the columns of ``body_motions``, with the frame as centre."""
     pose = part.entity_pose
     w, *xyz = pose.q
     moves = isinstance(part, physx.PhysxRigidBodyComponent)
@@ -209,7 +209,7 @@ def _motion_of(part: Component) -> tuple[float, ...]:
 
 
 def _touching(pairs: Iterable[Listed], step_s: float) -> Touching:
-    """Return the points of pairs that touch, from a step of ``step_s`` [s]."""
+    """Return the contact points of pairs in a step of ``step_s`` [s]."""
     listed = list(pairs)
     (body_a, body_b), numbers = touching_points(listed, 1.0)
     friction = {(a, b): _friction_of(contact) for a, b, _, contact in listed}
@@ -220,6 +220,6 @@ def _touching(pairs: Iterable[Listed], step_s: float) -> Touching:
 
 
 def _friction_of(contact: Any) -> float:
-    """Return the coefficient of a pair, the mean of both materials' static coefficients."""
+    """Return the coefficient of friction of a pair, the mean of both materials' static coefficients."""
     first, second = contact.shapes
     return float(first.physical_material.static_friction + second.physical_material.static_friction) / 2

@@ -1,8 +1,8 @@
-"""Calls of SAPIEN for contacts and freezing in PhysX 5, shared by the port and by the suite's adapter.
+"""Calls of SAPIEN for contacts and freezing in PhysX 5, for the port and for the suite's adapter.
 
-Freezing: the body becomes kinematic. No step of PhysX changes a bit of the pose of a kinematic body, and PhysX does not
-collide it with the ground or with another kinematic body. Unfreezing makes the body dynamic again, at rest and awake.
-SAPIEN's ``put_to_sleep`` does not freeze a body, because the first touch wakes it.
+``freeze`` makes a body kinematic. No step of PhysX changes a bit of the pose of a kinematic body, and PhysX does not
+collide a kinematic body with the ground or with another kinematic body. ``unfreeze`` makes the body dynamic again, at
+rest and awake. SAPIEN's ``put_to_sleep`` does not freeze a body, because the first touch wakes the body.
 
 PhysX lists points with a gap of up to the sum of both shapes' contact offsets. Normals point from the second body to
 the first, and all points of a pair of convex shapes share one normal.
@@ -18,8 +18,8 @@ import numpy as np
 from stability_core.port import FloatArray, IntArray
 
 MAX_SEPARATION = 1e-3
-"""Greatest gap [m] of a point that counts: twice the gap that the core counts as touching, so that the core gets every
-point that touches."""
+"""Greatest gap [m] of a contact point: twice the greatest gap of a contact in the core, so that the core gets every
+contact."""
 
 Component: TypeAlias = Any
 """A rigid body of SAPIEN, which is a component of an entity."""
@@ -39,7 +39,7 @@ def unfreeze(component: Component) -> None:
 
 
 def stop(component: Component) -> None:
-    """Set both velocities of a dynamic body to zero, and wake the body."""
+    """Set the velocity and the angular velocity of a dynamic body to zero, and wake the body."""
     component.linear_velocity = component.angular_velocity = (0.0, 0.0, 0.0)
     component.wake_up()
 
@@ -70,7 +70,7 @@ def listed_pairs(
 
 
 def touching_points(listed: Iterable[Listed], scale: float) -> tuple[tuple[IntArray, IntArray], FloatArray]:
-    """Return the contact points that touch or have a gap of at most ``MAX_SEPARATION``.
+    """Return the contact points without a gap, or with a gap of at most ``MAX_SEPARATION``.
 
     Args:
         listed: pairs from ``listed_pairs``.

@@ -29,7 +29,7 @@ class BodyStates:
         self._components = components
         self._bodies = bodies
         self._rows = np.empty(0, np.int64)
-        self._count = 0  # of dynamic bodies, which come first in the packed block, before the articulations
+        self._count = 0  # dynamic bodies come first in the packed block, before the articulations
 
     def count_rows(self) -> None:
         """Compute the row of each body in the packed block, by id, because SAPIEN's order changes with the bodies."""
@@ -54,7 +54,7 @@ class BodyStates:
         return self.read(bodies)[:, 4:7]
 
     def _read_one_by_one(self, bodies: IntArray) -> FloatArray:
-        """Return the array of ``read``, without the packed block, because the block also holds every frozen body."""
+        """Return the array of ``read`` without the packed block, because the block holds every body of the world."""
         vectors: list[FloatArray] = []
         for body in bodies.tolist():
             component = self._components[body]

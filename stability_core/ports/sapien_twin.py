@@ -13,7 +13,7 @@ from stability_core.ports.sapien_calls import Component
 from stability_core.ports.sapien_shapes import copy_of
 
 INSTANT_S = 1e-6
-"""Step [s] of the second world, so short that the solver closes no gap."""
+"""Step [s] of the second world: the step is short, so that the solver closes no gap."""
 
 
 @contextmanager

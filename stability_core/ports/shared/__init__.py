@@ -1,1 +1,1 @@
-"""Arrays of contacts and motions, for the ports and for the suite's adapters."""
+"""Arrays of contacts and motions for the ports and for the suite's adapters."""

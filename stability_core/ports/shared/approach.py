@@ -78,7 +78,7 @@ def _fastest(
             for sign, member in ((-1.0, a[row]), (1.0, b[row])):
                 k = np.searchsorted(body, member)
                 if k == len(body) or body[k] != member:
-                    continue  # frozen, or the ground
+                    continue  # a frozen body or the ground
                 (cx, cy, cz), (wx, wy, wz) = position[substep, k], angular[substep, k]
                 vx, vy, vz = linear[substep, k]
                 rx, ry, rz = x - cx, y - cy, z - cz

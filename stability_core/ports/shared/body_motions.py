@@ -14,7 +14,7 @@ COLUMNS = 13
 CENTER, POSE, VELOCITY, SPIN = slice(0, 3), slice(0, 7), slice(7, 10), slice(10, 13)
 _TURN = slice(3, 7)
 _TURNED = 1e-4
-"""Least change of a component of an obstacle's quaternion that counts as a turn: 0.01 degrees."""
+"""Greatest change of a component of an obstacle's quaternion that is no turn: about 0.01 degrees."""
 
 
 def check_finite(ids: IntArray, rows: FloatArray) -> None:
@@ -22,8 +22,8 @@ def check_finite(ids: IntArray, rows: FloatArray) -> None:
     if not np.isfinite(rows).all():
         body = ids[np.flatnonzero(~np.isfinite(rows).all(axis=1))[0]]
         raise ValueError(
-            f"body {body} has a pose or a velocity that is not finite: the simulation has diverged; use a smaller "
-            "step or softer contacts, or remove the body"
+            f"body {body} has a pose or a velocity that is not finite, because the simulation has diverged: use "
+            "a smaller step or softer contacts, or remove the body"
         )
 
 
@@ -33,7 +33,7 @@ def turned_bodies(
     """Return the bodies that have turned between two frames.
 
     Args:
-        bodies: ids of the bodies to look at.
+        bodies: ids of the bodies to compare.
         ids: ids of the later frame's rows, shape (n,).
         rows: rows of the later frame, shape (n, 13).
         earlier_ids: ids of the earlier frame's rows, shape (m,).
@@ -50,7 +50,7 @@ def turned_bodies(
 
 
 def rows_of_ids(known: IntArray, ids: IntArray) -> tuple[IntArray, BoolArray]:
-    """Return the rows of ids (n,) in ``known`` (m,), and whether each id is there; the row of an unknown id is 0.
+    """Return the rows of ids (n,) in ``known`` (m,), and the mask of the known ids; an unknown id has the row 0.
 
     Args:
         known: ids by rising value, at least one.
@@ -62,5 +62,5 @@ def rows_of_ids(known: IntArray, ids: IntArray) -> tuple[IntArray, BoolArray]:
 
 
 def motions_of(ids: IntArray, rows: FloatArray) -> Motions:
-    """Return rows (n, 13) of bodies (n,) as the motions before a frame of one step."""
+    """Return the motions before a frame of one step, from the rows (n, 13) of bodies (n,)."""
     return Motions(ids, *(np.ascontiguousarray(rows[None, :, part]) for part in (CENTER, VELOCITY, SPIN)))

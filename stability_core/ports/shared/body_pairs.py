@@ -1,4 +1,4 @@
-"""Selection of the pairs of an engine that touch certain bodies, so that the cost depends on these bodies only."""
+"""Selection of the pairs of an engine that contain certain bodies, at a cost that depends on these bodies only."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TypeAlias, TypeVar
 Item = TypeVar("Item")
 """Type of the engine's record of a pair."""
 IdsOf: TypeAlias = Callable[[Item], tuple[int | None, int | None]]
-"""Function that returns the ids a and b of an engine's pair; None for a body removed after the latest step."""
+"""Function that returns the ids a and b of an engine's pair; None for a body that left after the latest step."""
 
 
 def pairs_of(
@@ -18,10 +18,10 @@ def pairs_of(
     of_body: Callable[[int], Iterable[Item]],
     ids_of: IdsOf[Item],
 ) -> Iterator[tuple[int, int, Item]]:
-    """Yield bodies a and b, and the pair, for every pair that touches one of ``bodies``, without duplicates.
+    """Yield bodies a and b, and the pair, for every pair that contains one of ``bodies``, without duplicates.
 
-    If ``bodies`` are most of the world's bodies, the function reads all pairs in one call of the engine. Otherwise it
-    reads the pairs of each body.
+    If ``bodies`` are most of the world's bodies, the function reads all pairs in one call of the engine. Otherwise the
+    function reads the pairs of each body.
 
     Args:
         bodies: ids of the bodies, in a container with fast membership tests.

@@ -1,4 +1,4 @@
-"""Corners of contact areas that an engine does not list, for any two convex bodies given by their vertices.
+"""Corners of contact areas that an engine does not list, for two convex bodies with known vertices.
 
 Some engines list penetrating points only, often three of a face's four corners, or one point per step. Under load the
 missing corners would bear force as well. This module completes the contacts of a pair at the normal that the engine
@@ -24,13 +24,13 @@ import numpy as np
 from stability_core.port import FloatArray, IntArray
 
 NEAR = 1.67e-3
-"""Greatest difference of a corner's gap from the gap at the deepest point, in half diagonals of the smaller body. For a
-plank of 117 mm it is 0.1 mm, which exceeds the differences below a tilted body at rest and is not visible."""
+"""Greatest difference of a corner's gap from the gap at the deepest point [half diagonals of the smaller body]. For a
+plank of 117 mm, the value is 0.1 mm. This length exceeds the differences below a tilted body at rest."""
 UPRIGHT = 0.9
 """Least cosine of a cylinder's axis to the normal at which the vertices of its rims stand for the cylinder. On its side
 a cylinder touches along a line, which rolls, but the polygon of its rim has flat sides."""
 SAME = 1.67e-2
-"""Distance between a corner and a listed point that count as one point, in half diagonals of the smaller body."""
+"""Greatest distance between a corner and a listed point for the same point [half diagonals of the smaller body]."""
 _DEGENERATE = 1e-12
 """Area [m2] or squared length [m2] below which points coincide or lie on a line."""
 
@@ -126,7 +126,7 @@ def _slope(hull: FloatArray) -> tuple[float, float]:
     determinant = xx * yy - xy * xy
     if n >= 3 and determinant > 1e-9 * (xx + yy) ** 2:
         gx, gy = (yy * xh - xy * yh) / determinant, (xx * yh - xy * xh) / determinant
-    elif n >= 2:  # a line: no slope across it
+    elif n >= 2:  # a line: no slope across the line
         gx, gy = xh / (xx + yy), yh / (xx + yy)
     return gx, gy
 
@@ -158,7 +158,7 @@ def _facing(vertices: FloatArray, frame: FloatArray, sign: float, tolerance: flo
 
 @numba.njit(cache=True)
 def _frame(normal: FloatArray) -> FloatArray:
-    """Return two tangents and the normal, one per row, a right-handed frame."""
+    """Return a right-handed frame: two tangents and the normal, one per row."""
     x, y, z = normal[0], normal[1], normal[2]
     if abs(z) < 0.7:  # the tangent is horizontal, or in the plane x, z
         length = math.sqrt(x * x + y * y)

@@ -1,4 +1,4 @@
-"""``FreeBodies``: the bodies of a user's world, each of which is live, frozen, or an obstacle."""
+"""``FreeBodies``: the live bodies, the frozen bodies and the obstacles of a user's world."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from stability_core.ports.shared.shapes import ShapeTable
 
 LOOK_S = 0.1
 """Time [s] between two looks at the places of frozen and of static bodies. The port lists the bodies of a world with
-the same delay if the engine has a cheaper way to see that they are the same: a list of a hundred bodies costs half as
-much as the engine's step of frozen bodies."""
+the same delay if ``FreeBodyWorld.can_read`` replaces the list, because a list of a hundred bodies costs half as much as
+the engine's step of frozen bodies."""
 AT_A_LOOK = 5
 """Greatest number of frozen bodies whose places the port checks at a look, because some engines read body by body."""
 BESIDE = 1e-3
-"""Greatest gap [m] at which a frozen body is beside a kinematic body, between the boxes around both."""
+"""Greatest gap [m] between the box around a kinematic body and the box around a frozen body beside this body."""
 
 
 class FreeBodies:
@@ -35,11 +35,11 @@ class FreeBodies:
         self.movers: set[int] = set()
         """Bodies that the port does not control and that move by forces, so that they collide with frozen bodies."""
         self.moved: list[int] = []
-        """Frozen bodies that the host had moved, among those that the latest look checked."""
+        """Frozen bodies that the host had moved, among the bodies that the latest look checked."""
         self.has_looked = True
         """True in the frames of looks."""
         self.has_new_obstacle = False
-        """True if ``sides`` has noted an obstacle since the motions were read."""
+        """True if ``sides`` has noted an obstacle since the latest read of the motions."""
         self.kinematic: list[int] = []
         """Bodies that the host moves."""
         self.shapes = ShapeTable()
@@ -93,7 +93,7 @@ class FreeBodies:
         """Control free bodies.
 
         Raises:
-            ValueError: for a body that does not exist, cannot freeze, or that the port controls already.
+            ValueError: for a body that does not exist, cannot freeze, or is under control already.
         """
         self.follow()
         for body in bodies:
@@ -200,7 +200,7 @@ class FreeBodies:
         return []
 
     def _control(self, body: int) -> None:
-        """Start to control a free body, which is no obstacle from now on."""
+        """Start to control a free body; delete the body from the obstacles."""
         self.obstacles.discard(body)
         self.live[body] = self._world.mass(body)
         solid = self._world.solid(body)

@@ -1,4 +1,4 @@
-"""``FreeBodyPort``: a port to a user's world of free rigid bodies, whatever the engine.
+"""``FreeBodyPort``: a port to a user's world of free rigid bodies, for several engines.
 
 Bodies that the port does not control are obstacles. An obstacle that touches a controlled body counts as a body that
 the host moves. A half space counts as the ground. The port uses the velocities after the previous update as the
@@ -6,7 +6,8 @@ velocities before a step. Therefore approach speeds are exact if ``update`` foll
 frame, approach speeds lack the fall of the frame.
 
 The engines do not collide a frozen body with a kinematic body. The port therefore unfreezes the frozen bodies beside a
-kinematic body that moves. Normal forces come from the engine, friction forces from the bodies' momentum.
+kinematic body that moves. The engine gives the normal forces. The changes of the bodies' momentum give
+the friction forces.
 """
 
 from __future__ import annotations
@@ -37,7 +38,8 @@ from stability_core.ports.shared.shapes import compile_kernels
 
 CALM_S = 1.0
 """Time [s] for which obstacles must have kept their places before the port omits them in frames without live bodies.
-The core counts a body that the host has moved as ground after ``Settings.still_s``, 0.5 s, and must see it so long."""
+The core counts a body that the host has moved as ground after ``Settings.still_s``, 0.5 s, and must see the body until
+then."""
 
 
 class FreeBodyPort:
@@ -86,7 +88,7 @@ class FreeBodyPort:
         """Control free bodies.
 
         Raises:
-            ValueError: for a body that does not exist, cannot freeze, or that the port controls already.
+            ValueError: for a body that does not exist, cannot freeze, or is under control already.
         """
         self._bodies.add(bodies)
 
@@ -135,7 +137,7 @@ class FreeBodyPort:
         return Masses(self._ids, masses, self._rows[:, CENTER], removed)
 
     def sleep(self, bodies: Sequence[int]) -> None:
-        """Freeze bodies exactly where they are; skip bodies that are not live."""
+        """Freeze bodies at their present poses; skip bodies that are not live."""
         for body in bodies:
             if body in self._bodies.live:
                 self._bodies.freeze(body)
@@ -189,7 +191,7 @@ class FreeBodyPort:
         return np.array_equal(poses, self._obstacle_poses)
 
     def _with_movers(self) -> tuple[IntArray, FloatArray]:
-        """Return the ids (n,) and motions (n, 13) of the bodies read, and of the movers, which may strike next."""
+        """Return the ids (n,) and motions (n, 13) of the bodies of ``_read_motions``, and of all movers."""
         movers = sorted(self._bodies.movers.difference(self._ids.tolist()))
         if not movers:
             return self._ids, self._rows

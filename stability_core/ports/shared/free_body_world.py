@@ -28,13 +28,13 @@ class Touching(NamedTuple):
     separation: FloatArray
     """Separations [m], shape (n,)."""
     friction: FloatArray
-    """Coefficients of the pairs, shape (n,)."""
+    """Coefficients of friction of the pairs, shape (n,)."""
     force: FloatArray
     """Normal forces [N] on b, shape (n, 3)."""
 
 
 class FreeBodyWorld(ABC):
-    """A user's world. Each of its bodies has an id, which the engine never gives to another body."""
+    """A user's world. Each body has an id, which the world never gives to another body."""
 
     engine: ClassVar[str]
     """Name of the engine in messages."""
@@ -79,7 +79,7 @@ class FreeBodyWorld(ABC):
 
     @abstractmethod
     def solid(self, body: int) -> Solid | None:
-        """Return the shape of a body, relative to its centre of mass; None if it is round, concave or compound."""
+        """Return the shape of a body, relative to its centre of mass; None for a round, concave or compound shape."""
 
     @abstractmethod
     def motions(self, bodies: list[int]) -> FloatArray:
@@ -91,7 +91,7 @@ class FreeBodyWorld(ABC):
 
     @abstractmethod
     def is_kinematic(self, body: int) -> bool:
-        """Return True for a body that the user moves; the engine lists no contact between it and a frozen body."""
+        """Return True for a body that the user moves; the engine lists no contact between it and frozen bodies."""
 
     @abstractmethod
     def is_mover(self, body: int) -> bool:
@@ -99,7 +99,7 @@ class FreeBodyWorld(ABC):
 
     @abstractmethod
     def freeze(self, body: int) -> None:
-        """Freeze a live body exactly where it is."""
+        """Freeze a live body at its present pose."""
 
     @abstractmethod
     def unfreeze(self, body: int) -> None:

@@ -15,18 +15,18 @@ from stability_core.ports.shared.approach import Motions
 from stability_core.ports.shared.body_motions import CENTER, VELOCITY, rows_of_ids
 
 LEAST, MOST = 0.6, 1.5
-"""Ratios of the way to the velocity times the length of the frame that count as right. The ratio is 1 up to gravity and
-damping, and a wrong number of steps gives at most 1/2 or at least 2."""
+"""Least and greatest plausible ratio of a body's path to its velocity times ``dt``. The ratio is 1 up to gravity and
+damping. A wrong number of steps gives at most 1/2 or at least 2."""
 FRAMES = 3
 """Number of frames in a row after which the check reports a wrong time, because a host may move a body by hand."""
 SPEED = 0.2
-"""Least speed [m/s] of a body in free flight."""
+"""Least speed [m/s] of a body in free flight that the check uses, because slower bodies show large relative errors."""
 ALIKE = 0.2
 """Greatest relative difference of the ratios of consecutive frames."""
 
 
 _STEP = 0.02
-"""Greatest difference of ``dt`` from a whole number of steps, in steps."""
+"""Greatest difference of ``dt`` from a whole number of steps [steps], because sums of time steps round."""
 
 
 def check_steps(dt: float, step_s: float, engine: str, setter: str) -> None:
@@ -55,7 +55,7 @@ class FreeFlight:
         self._fault: str | None = None
 
     def check(self) -> None:
-        """Raise ``ValueError`` if the frames noted so far contradict ``dt``."""
+        """Raise ``ValueError`` if the noted frames contradict ``dt``."""
         if self._fault:
             fault, self._fault = self._fault, None
             raise ValueError(fault)
@@ -69,7 +69,7 @@ class FreeFlight:
         rows: FloatArray,
         dt: float,
     ) -> None:
-        """Compare the ways of bodies in free flight with their velocities.
+        """Compare the paths of bodies in free flight with their velocities.
 
         A live body is in free flight if it has no contact in this frame and in the previous frame.
 
@@ -78,7 +78,7 @@ class FreeFlight:
             touching: the bodies with contacts in this frame.
             before: motions after the previous update.
             ids: the live bodies and the obstacles, shape (n,).
-            rows: their motions now, see ``body_motions``, shape (n, 13).
+            rows: present motions of these bodies, see ``body_motions``, shape (n, 13).
             dt: time passed to ``update`` [s].
         """
         earlier, self._touching = self._touching, touching
@@ -99,7 +99,7 @@ class FreeFlight:
         Args:
             bodies: ids, shape (n,).
             flying: mask of the bodies without contacts in this and the previous frame, shape (n,).
-            way: ways since the previous update [m], shape (n, 3).
+            way: displacements since the previous update [m], shape (n, 3).
             before: velocities after the previous update [m/s], shape (n, 3).
             now: velocities [m/s], shape (n, 3).
             dt: time passed to ``update`` [s].

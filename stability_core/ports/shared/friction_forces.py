@@ -39,7 +39,7 @@ def with_friction(
     bodies: IntArray,
     borne: FloatArray,
 ) -> FloatArray:
-    """Return the forces (n, 3) [N] on bodies b, with friction added.
+    """Return the sum (n, 3) [N] of normal and friction forces on bodies b.
 
     Args:
         pairs: bodies a and b of each contact, each of shape (n,).
@@ -57,7 +57,7 @@ def with_friction(
 
 
 def _rows_of(ids: IntArray, bodies: IntArray) -> IntArray:
-    """Return the row of each id in ``bodies``; -1 for an id that is not in ``bodies``."""
+    """Return the row of each id in ``bodies``, or -1 for an id outside ``bodies``."""
     place = np.minimum(np.searchsorted(bodies, ids), len(bodies) - 1)
     rows: IntArray = np.where(bodies[place] == ids, place, -1)
     return rows

@@ -11,7 +11,8 @@ from stability_core.port import Contacts, FloatArray, IntArray
 from stability_core.ports.shared.contact_area import missing_corners
 
 RIM = 24
-"""Number of vertices on each rim of a cylinder: their polygon lies within the circle, by 0.9 % of the radius."""
+"""Number of vertices on each rim of a cylinder. The edges of this polygon lie inside the circle, by up to 0.9 % of the
+radius."""
 NO_AXIS: FloatArray = np.zeros(3)
 HALF_SPACE: FloatArray = np.empty((0, 3))
 """Vertices of a half space, such as the ground."""
@@ -61,7 +62,7 @@ class ShapeTable:
         self._is_current = False
 
     def remove(self, body: int) -> None:
-        """Delete the vertices of a body, if the table has any."""
+        """Delete the vertices of a body, if the table has this body."""
         if self._solids.pop(body, None) is not None:
             self._is_current = False
 
@@ -130,7 +131,7 @@ def _joined(contacts: Contacts, row: IntArray, corner: FloatArray, gap: FloatArr
 
 
 def compile_kernels() -> None:
-    """Compile the kernels of this module, or load them from the cache, so that no frame waits for them."""
+    """Compile the kernels of this module, or load the kernels from the cache, so that no frame waits."""
     table, ids, up = ShapeTable(), np.arange(1, 2), np.array([[0.0, 0.0, 1.0]])
     for body in range(2):
         table.add(body, Solid(box_vertices(np.ones(3))))

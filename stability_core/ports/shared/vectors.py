@@ -17,7 +17,10 @@ def dot(a: FloatArray, b: FloatArray) -> FloatArray:
 
 
 def cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Return the cross products of vectors (..., 3), for a few rows several times as fast as ``numpy.cross``."""
+    """Return the cross products of vectors (..., 3).
+
+    For a few rows, the function is several times as fast as ``numpy.cross``.
+    """
     return np.asarray(np.einsum("ijk,...j,...k->...i", _LEVI_CIVITA, a, b))
 
 
