@@ -36,11 +36,11 @@ NEWTON_STEPS = 40
 """Greatest number of Newton steps from zero displacement, because standing stacks take 3 to 20 steps, and an arch of
 200 blocks takes 30 steps."""
 ROUNDS = 20
-"""Greatest number of rounds of friction bounds, because courses of touching bricks for which Newton's method fails
-take 1 to 4 rounds from the last kappa with a solution."""
+"""Greatest number of rounds of friction bounds. Courses of touching bricks for which Newton's method fails take 1 to 4
+rounds from the last kappa with a solution."""
 STALLS = 20
-"""Greatest number of consecutive steps of the shortest length, because the search for an arch of 200 blocks takes ten
-of these steps before longer steps succeed again."""
+"""Greatest number of consecutive steps of the shortest length. The search for an arch of 200 blocks takes ten of these
+steps before longer steps succeed again."""
 SHORTEST_STEP = 1e-3
 ENOUGH = 0.1
 """Least relative reduction of the imbalance by a step, over the step length."""
@@ -259,7 +259,7 @@ def displace(case: Case, kappa: float, most: int, u: FloatArray) -> tuple[bool, 
 
         - True if the function found the solution;
         - the ratio of each body's sensitivity to its displacement, shape (n,). Without a solution, the value is 1 for
-          unbalanced bodies, and 0 for other bodies. If every body is balanced, the value is 1 for all bodies.
+          unbalanced bodies, and 0 for other bodies. If every body is in balance, the value is 1 for all bodies.
     """
     problem, envelope = case.problem, case.envelope
     n, m = len(problem.load), len(problem.normal)

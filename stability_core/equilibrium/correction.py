@@ -6,8 +6,8 @@ forces in K' with A f = w, the forces nearest to the kept forces f0 are
 f = P_K'(f0 + A^T y),    y minimises |P_K'(f0 + A^T y)|^2 / 2 - w . y.
 
 With the derivative D of the projection P_K', a step dy of Newton's method forecasts the forces f + D A^T dy. These
-forces balance, but may leave K'. As soon as these forces lie in K, they prove equilibrium, and the search ends before
-the minimum. The search needs few steps, because most kept forces lie inside K', and K has room around K'.
+forces balance, but may leave K'. As soon as these forces lie in K, the forces prove equilibrium. Then the search ends
+before the minimum. The search needs few steps, because most kept forces lie inside K', and K has room around K'.
 If the search finds no forces of this kind, the search proves nothing.
 """
 

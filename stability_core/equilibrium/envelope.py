@@ -24,7 +24,7 @@ class Envelope(NamedTuple):
     first: IntArray
     """First stored column of each row, shape (n,)."""
     offset: IntArray
-    """Offset of each row, shape (n,): entry (i, j) is stored at ``offset[i] + j``."""
+    """Offset of each row, shape (n,): entry (i, j) has the place ``offset[i] + j``."""
     size: int
     """Number of stored entries."""
 

@@ -37,14 +37,14 @@ ALL_HELD, CYCLE = -1, -2
 - CYCLE: the clusters without loads lie on each other in a cycle.
 """
 MOST_TOGETHER = 12
-"""Greatest number of bodies of a cluster after its union with the clusters on it, because loading more bodies at once
-costs as much as ``loading``."""
+"""Greatest number of bodies of a union of clusters, because loading more bodies at once costs as much as
+``loading``."""
 MOST_IN_CYCLE = 50
 """Greatest number of bodies in a cycle that the module loads together, which limits the cost. The bodies of a larger
 cycle count as loose."""
 LIGHTER = 0.5
-"""Ratio of the load of a body to its own weight, below which contacts do not hold the body's cluster, because the body
-would hang on the bodies above it."""
+"""Least ratio of a body's load to its weight in a cluster that contacts hold. Below this ratio, the body would hang on
+the bodies above."""
 
 
 class Layers(NamedTuple):
@@ -271,7 +271,7 @@ def _sweep(problem: Problem, layers: Layers, known: FloatArray, loose: BoolArray
 
 @compiled
 def _join(layers: Layers, root: int) -> bool:
-    """Join a cluster with the clusters on it; return False without such clusters, or for too many bodies."""
+    """Join a cluster with the clusters on it; return False without clusters on it, or for too many bodies."""
     cluster = layers.cluster
     joined = cluster.copy()
     for c in range(len(layers.upper)):
@@ -289,10 +289,10 @@ def _join(layers: Layers, root: int) -> bool:
 
 @compiled
 def _join_cycle(layers: Layers, waits_for: IntArray) -> int:
-    """Join the clusters of a cycle, in which each cluster lies on another one; return the joined cluster.
+    """Join the clusters of a cycle, in which each cluster lies on another cluster; return the union.
 
     A walk finds the cycle. The walk starts at a cluster that waits for loads. Each step leads to a waiting cluster on
-    the present cluster. The walk ends as soon as it meets a cluster again.
+    the present cluster. The walk ends at the first cluster that occurs twice.
     """
     cluster = layers.cluster
     seen = np.zeros(len(cluster), np.int64)  # number of the step at which the walk met a cluster
@@ -329,7 +329,7 @@ def loose_in_layers(problem: Problem, force: FloatArray) -> BoolArray:
     layers = _layers_of(problem)
     n = len(layers.cluster)
     loose, waits_for = np.zeros(n, np.bool_), np.empty(n, np.int64)
-    before, first = layers.cluster.copy(), 0  # clusters before the last unions; cluster without hold
+    before, first = layers.cluster.copy(), 0  # clusters before the last unions, and the cluster without hold
     is_joined = False
     while True:
         root = _sweep(problem, layers, force, loose, waits_for)

@@ -39,9 +39,9 @@ class Workspace(NamedTuple):
 
 @compiled
 def workspace_for(problem: Problem, rows: IntArray) -> Workspace:
-    """Return the workspace of a problem; the number of ``rows`` must be a multiple of three.
+    """Return the workspace of a problem.
 
-    The cost is O(n + m) and the allocation of the matrix.
+    The number of ``rows`` must be a multiple of three. The cost is O(n + m) and the allocation of the matrix.
     """
     n, m, width = len(problem.load), len(problem.normal), len(rows)
     place = numbering(problem.body_a, problem.body_b, n)

@@ -1,9 +1,9 @@
 """Loads of live bodies on the stack.
 
 Live bodies enter the statics problem of the stack as loads. The module solves all live bodies on a part of the stack
-together, whether they stand or fall. The stack below counts as rigid, like the ground. The loads are the contact forces
-that hold the live bodies. If no forces hold a body, the nearest forces are its load: a toppling brick presses, with at
-most its weight, at the point about which the brick turns.
+together: bodies that stand, and bodies that fall. The stack below counts as rigid, like the ground. The loads are the
+contact forces that hold the live bodies. If no forces hold a body, the nearest forces are its load: a toppling brick
+presses, with at most its weight, at the point about which the brick turns.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from stability_core.stack import FROZEN, LEAN, LIVE, NONE, Graph, sorted_ids
 
 _VERTICAL, _ALL = np.array([2, 3, 4]), np.arange(6)
 _HELD = 1e-2
-"""Ratio of a live body's imbalance to its weight, up to which the body counts as held, because the estimate of its
-forces leaves a ratio of about a thousandth."""
+"""Ratio of a live body's imbalance to its weight, up to which forces hold the body. The estimate of the forces leaves a
+ratio of about a thousandth."""
 UNCERTAIN = 0.2
-"""Ratio of the greatest missing force to the greatest load, up to which no body unfreezes if the loads are estimates,
-because contact forces fluctuate by this ratio."""
+"""Ratio of the greatest missing force to the greatest load, up to which no body unfreezes under estimated loads.
+Contact forces fluctuate by this ratio."""
 _UNCERTAIN_AT_REST = 0.01
-"""Value in place of ``UNCERTAIN`` if all live bodies have kept their places for ``doubt_s``, and the reported forces
+"""Value in place of ``UNCERTAIN`` if all live bodies have kept their places for ``doubt_s``. The reported forces must
 balance each body up to this value."""
 _PUSHES, _LIVE, _EVERYTHING = range(3)
 """Contact forces that count:
@@ -135,7 +135,7 @@ def live_load(
         return pressed, held
     above = part_of(graph, memory, live, Terms(FIXED, gravity, 0.0, 1.0, 0.0))
     problem, upright = above.problem, above.level.all()
-    if upright:  # a body that topples off load-bearing contacts presses straight down, and so do the bodies on it
+    if upright:  # on load-bearing contacts, a toppling body and the bodies on it press straight down
         problem.normal[:, :2] = 0.0
         problem.normal[:, 2] = np.where(problem.normal[:, 2] >= 0.0, 1.0, -1.0)
         problem.friction[:] = 0.0

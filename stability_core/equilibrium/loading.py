@@ -49,12 +49,12 @@ STIFFNESSES = np.array([1.0, 0.1, 10.0])
 """Ratios of the tangential to the normal stiffness of a contact. The bodies must stand for all three ratios, because
 the true ratio is unknown."""
 KAPPA = 1e7
-"""Displacement at which the term M u / kappa equals the weight of a body, in units of the mean weight divided by the
-normal stiffness. The value is a hundred times the sag of a tower of 100 blocks. For a falling body, the rounding error
-of the forces at this displacement is 1e-9 of the weights."""
+"""Displacement at which the term M u / kappa equals the weight of a body [mean weight / normal stiffness]. The value is
+a hundred times the sag of a tower of 100 blocks. For a falling body, the rounding error of the forces at this
+displacement is 1e-9 of the weights."""
 SENSITIVE = 0.1
-"""Ratio of a body's sensitivity to its displacement, above which the body counts as not held, because standing bodies
-have 1e-6 to 1e-2 (a tower of 100 blocks, an arch of 200 blocks), and falling bodies have 0.5 to 1."""
+"""Ratio of a body's sensitivity to its displacement, above which contacts do not hold the body. Standing bodies have
+ratios of 1e-6 to 1e-2 (a tower of 100 blocks, an arch of 200 blocks). Falling bodies have ratios of 0.5 to 1."""
 WARM_STEPS = 8
 """Greatest number of Newton steps from an earlier displacement, before loading starts again from zero."""
 FEW_KAPPAS, MANY_KAPPAS = np.array([1e2, KAPPA]), 10.0 ** np.linspace(0.0, 7.0, 15)
@@ -67,10 +67,11 @@ has longer rows. There the long sequence costs 0.1 s and rarely decides more bod
 
 @compiled
 def displace_step_by_step(case: Case, u: FloatArray, is_thorough: bool) -> FloatArray:
-    """Load at ``KAPPA`` from ``u``; if contacts do not hold all bodies, load from zero through smaller values of kappa.
+    """Load at ``KAPPA`` from the displacements ``u`` (n, 6), which the function overwrites.
 
-    With ``is_thorough``, a long sequence of values follows if the short sequences fail. Only the last sequence decides
-    a fall, because a long step may end in a distant jam. A distant jam may hold fewer bodies than the path from zero.
+    If contacts do not hold all bodies, the function loads from zero through smaller values of kappa. With
+    ``is_thorough``, a long sequence of values follows if the short sequences fail. Only the last sequence decides a
+    fall, because a long step may end in a distant jam. A distant jam may hold fewer bodies than the path from zero.
 
     Returns:
         The ratio of each body's sensitivity to its displacement, shape (n,). See ``displace`` for the values without a

@@ -42,14 +42,14 @@ HELD, FALLING, UNDECIDED = 0, 1, 2
 
 FIRST_RHO, LAST_RHO = 1e-3, 1e-12
 """First and last weight of the proximal term, relative to the term of the forces. The weight is large at first, so that
-y stays small for a falling stack. The weight falls tenfold at each proximal point, because tall stacks that are almost
-balanced need a small weight."""
+y stays small for a falling stack. The weight decreases tenfold at each proximal point, because tall stacks that are
+almost balanced need a small weight."""
 RAY_RHO = 1e-4
 """Weight of the proximal term in the search for a motion that no contact resists, over its weight in the search for
 forces."""
 STRONGEST = 1e6
-"""Ratio of the greatest contact force of an equilibrium to the weight of all bodies, above which the equilibrium does
-not count, because no real wedge bears more."""
+"""Greatest ratio of a contact force to the weight of all bodies in an equilibrium that counts, because no real wedge
+bears more."""
 CONVERGED = 1e-14
 """Newton decrement, relative to the minimised function, up to which y counts as a proximal point."""
 PROXIMAL_POINTS = 12
@@ -57,12 +57,12 @@ ROUGH_POINTS, ROUGH_STEPS, ROUGHLY_BALANCED = 2, 5, 2e-3
 """Limits for an estimate of the forces: number of proximal points, number of steps at each point, imbalance."""
 NEWTON_STEPS = 60
 RAY_STEPS = 40
-"""Greatest numbers of steps, at one proximal point (NEWTON_STEPS) and in the search for a motion (RAY_STEPS), because a
-stack takes 5 to 20 steps in all, unless it is at its limit of stability."""
+"""Greatest numbers of steps, at one proximal point (NEWTON_STEPS) and in the search for a motion (RAY_STEPS). A stack
+takes 5 to 20 steps in all, or more at its limit of stability."""
 
 
 class Search(NamedTuple):
-    """State of a search; each step overwrites the state."""
+    """State of a search, which each step overwrites."""
 
     center: FloatArray
     """The latest proximal point y', shape (n, 6)."""
@@ -133,7 +133,7 @@ def nearest_forces(problem: Problem, rows: IntArray, y: FloatArray) -> tuple[Flo
 
 @compiled
 def solve(problem: Problem, rows: IntArray, strongest: float) -> tuple[int, FloatArray, FloatArray, float]:
-    """Find forces that hold the bodies, or the motion in which they fall.
+    """Find forces that hold the bodies, or the motion in which the bodies fall.
 
     A step costs O(m) and a factorisation (see ``envelope``).
 

@@ -22,7 +22,7 @@ class Problem(NamedTuple):
     """Bodies, numbered from 0, and the contacts between the bodies."""
 
     body_a: IntArray
-    """First body of each contact, negative if it is fixed, shape (m,)."""
+    """First body of each contact, negative for a fixed body, shape (m,)."""
     body_b: IntArray
     """Second body, on which the force acts, shape (m,); the opposite force acts on the first body."""
     lever_a: FloatArray
@@ -38,7 +38,7 @@ class Problem(NamedTuple):
     slack: FloatArray
     """Moment [N, over the body's size] that may stay unbalanced, shape (n,).
 
-    For a body that touches only in points and lines, the slack is the moment of the weight about a contact point with a
+    A body that touches only in points and lines has a slack: the moment of the weight about a contact point with a
     measurement error. A rigid sphere needs this slack, because the sphere does not balance on a point that lies off the
     vertical by a rounding error. For all other bodies, the slack is zero."""
 
@@ -87,7 +87,7 @@ def imbalance(problem: Problem, force: FloatArray, rest: FloatArray) -> None:
 
 @compiled
 def greatest_imbalance(problem: Problem, force: FloatArray, rest: FloatArray) -> float:
-    """Return the greatest imbalance of a body, over the largest force on it; infinite unless all values are finite."""
+    """Return the greatest imbalance of a body, over the largest force on the body; infinite for NaN."""
     largest = np.zeros(len(rest))
     for i in range(len(rest)):
         for k in range(6):
@@ -117,7 +117,7 @@ def weakest_equilibrium(problem: Problem, ray: FloatArray, work: FloatArray, for
 
         r . w = sum f_c . (A^T r)_c <= max |f_c| sum |P_K (A^T r)_c|
 
-    From r . w the function subtracts the part of w that may stay unbalanced.
+    From r . w the function subtracts the work of the slack.
     """
     along_contacts(problem, ray, work)
     project(work, problem.normal, problem.friction, force)

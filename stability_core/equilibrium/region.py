@@ -49,7 +49,7 @@ SAME_MASS = 1e-9
 
 REGION = np.dtype(
     [
-        ("vertices", "i8"),  # 0 where no region is known
+        ("vertices", "i8"),  # 0 without a known region
         ("vertex", "f8", (MAX_VERTICES, 3)),  # a convex polygon in plan, counter-clockwise [m]
         ("links", "i8"),  # fingerprint of the body's surroundings at its latest proof, or at its freeze in doubt
     ],
@@ -138,7 +138,7 @@ def _trait(patch: Patches, other: int, factor: int) -> int:
 
 @compiled
 def _id_of(bodies: Bodies, body: int) -> int:
-    """Return the id of a body; a row may belong to a new body later, but an id is unique."""
+    """Return the id of a body, because an id is unique, but a row may belong to a new body later."""
     return int(GROUND) if body == GROUND else int(bodies[body].id)
 
 

@@ -67,7 +67,7 @@ def _freeze_safely(graph: Graph, regions: Regions, candidates: IntArray) -> tupl
 def _on_edge(graph: Graph, candidates: IntArray, flat_width: float) -> IntArray:
     """Return the live ``candidates`` that stand on an edge of at most ``flat_width`` [sizes], shape (k,).
 
-    Bodies on an edge may freeze while they still move slightly. A flat body waits until it is at rest.
+    A body on an edge may freeze while the body still moves slightly. A flat body waits until it is at rest.
     """
     bodies = graph.bodies
     found = np.empty(len(candidates), np.int64)
@@ -81,9 +81,9 @@ def _on_edge(graph: Graph, candidates: IntArray, flat_width: float) -> IntArray:
 
 @compiled
 def _with_resting(graph: Graph, candidates: IntArray) -> IntArray:
-    """Return the ``candidates``, and the live bodies at rest below them, directly or indirectly, by rising id.
+    """Return the ``candidates``, and the live bodies at rest below, directly or indirectly, by rising id.
 
-    Bodies that hold each other can only freeze together, even if they came to rest at different times.
+    Bodies that hold each other must freeze together, although these bodies may come to rest at different times.
     """
     bodies, patches = graph.bodies, graph.patches
     reached = np.zeros(len(bodies), np.bool_)

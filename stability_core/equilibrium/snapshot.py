@@ -38,9 +38,9 @@ class Equilibrium:
     verdict: Verdict
     """The verdict:
 
-    - ``stable``: the bodies stand, held by ``forces`` that arise from zero load;
+    - ``stable``: ``forces`` that arise from zero load hold the bodies;
     - ``unstable``: bodies fall by the motion ``mechanism``;
-    - ``doubt``: neither is proven.
+    - ``doubt``: the search proves neither, or the forces do not arise from zero load.
     """
     residual: float
     """Largest imbalance of a body [N, N m over the body's size], relative to the largest force on it."""
@@ -84,8 +84,8 @@ def solve_equilibrium(contacts: Contacts, masses: Masses, gravity: Sequence[floa
         gravity: gravity vector [m/s2], in any direction.
 
     Raises:
-        ValueError: for malformed contacts or masses, for normals at the ground that all point from b to a, and for
-            gravity that is zero or not finite; the message names the field and the row.
+        ValueError: for malformed contacts or masses; for normals at the ground that all point from b to a; for zero
+            or infinite gravity. The message names the field and the row.
     """
     index_a, index_b = _checked(contacts, masses)
     down = np.asarray(gravity, np.float64)
@@ -147,7 +147,9 @@ def _checked(contacts: Contacts, masses: Masses) -> tuple[IntArray, IntArray]:
 
 
 def _refuse_flipped(contacts: Contacts, masses: Masses, index_a: IntArray, index_b: IntArray, up: FloatArray) -> None:
-    """Check that the normals point from a to b; with flipped normals, the ground would pull all bodies down.
+    """Check that the normals point from a to b.
+
+    With flipped normals, the ground would pull all bodies down.
 
     Raises:
         ValueError: if the normals of all contacts with the ground point from b to a; the message names one contact.

@@ -3,7 +3,7 @@
 - unstable: no contact forces in the Coulomb cones hold the bodies. A mechanism is the proof.
 - stable: contact forces in the cones hold the bodies. Either vertical forces on load-bearing contacts suffice, or
   loading from zero prestress comes to rest (see ``loading``).
-- doubt: contact forces in the cones hold the bodies, but would not arise by themselves; or the search finds no proof.
+- doubt: contact forces in the cones hold the bodies, but would not arise by themselves, or the search finds no proof.
 """
 
 from __future__ import annotations
@@ -39,24 +39,24 @@ OTHER_ROWS = np.array([0, 1, 5])
 MOMENT_ROWS = np.array([0.0, 0.0, 0.0, 1.0, 1.0, 1.0])
 """Factor that selects the moments."""
 SLACK_STEPS = 8
-"""Greatest number of solves for rolling bodies; a pile of spheres takes one or two."""
+"""Greatest number of solves for rolling bodies, because a pile of spheres takes one or two solves."""
 FIRST_STEPS, MORE_STEPS = 3, 9
 """Numbers of correction steps before and after the test whether changed bodies fall with their neighbours. On a card
-house of 100 planks, one more plank takes 1 to 5 steps, and an off-centre load of 20 planks' weight takes 12 steps."""
+house of 100 planks, one more plank takes 1 to 5 steps. An off-centre load of 20 planks' weight takes 12 steps."""
 LESS_FRICTION = 0.9
 """Ratio of the reduced friction to the true friction. If forces exist with the reduced friction, forces must also arise
 with this friction. Reason: with the true friction mu = 0.8, loading held two kinds of courses of touching bricks, which
 fell in two of three engines."""
 FEW = 0.25
-"""Greatest share of the bodies for which the test for a fall includes neighbours, because a larger share would cost as
-much as the steps of the correction."""
+"""Greatest fraction of the bodies in a test for a fall with neighbours, because a larger test would cost as much as the
+steps of the correction."""
 MOVES = 1e-2
 """Ratio of a body's unbalanced force to the largest unbalanced force, below which the body takes no part in a
 mechanism."""
 
 
 def takes_part(rest: FloatArray) -> BoolArray:
-    """Return the mask (n,) of the bodies that move, or are not balanced, in the ``rest`` (n, 6) of a search."""
+    """Return the mask (n,) of the moving or unbalanced bodies in the ``rest`` (n, 6) of a search."""
     unbalanced = np.abs(rest).max(axis=1, initial=0.0)
     moves: BoolArray = unbalanced > MOVES * unbalanced.max(initial=0.0)
     return moves
@@ -200,7 +200,7 @@ def _decide_from_scratch(problem: Problem, level: BoolArray, displacement: Float
 def _held_within_slack(
     problem: Problem, force: FloatArray, rest: FloatArray, residual: float
 ) -> tuple[int, FloatArray, float]:
-    """Solve again without the unbalanced moments of rolling bodies, as far as the slack of these bodies allows.
+    """Solve again without the unbalanced moments of rolling bodies, up to the slack of these bodies.
 
     Args:
         problem: a problem with rolling bodies.

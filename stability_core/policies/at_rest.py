@@ -18,7 +18,7 @@ CEILING = -0.5
 
 @compiled
 def _is_held(graph: Graph, body: int) -> bool:
-    """Return True if ``body`` has a patch on a body below or beside it; a ceiling does not count."""
+    """Return True if ``body`` has a patch on another body or the ground, except for ceilings."""
     at = graph.bodies[body].first_support
     while at != NONE:
         if graph.patches[at].normal[2] > CEILING:

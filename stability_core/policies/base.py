@@ -28,12 +28,12 @@ class Decision(NamedTuple):
 
 
 class Policy(ABC):
-    """A rule that decides which bodies at rest join the stack, and which frozen bodies leave it."""
+    """A rule that decides which bodies at rest join the stack, and which frozen bodies leave the stack."""
 
     name: ClassVar[str]
     judges_statics: ClassVar[bool] = True
-    """True if the policy tests the stability of bodies before it freezes them, so that ``adopt`` may
-    pass bodies that have not yet been at rest."""
+    """True if the policy tests the stability of bodies before a freeze. ``adopt`` needs this test,
+    because the bodies have not yet been at rest."""
 
     def __init__(self, gravity: float, settings: Settings) -> None:
         """Set gravity and tolerances.
@@ -53,7 +53,7 @@ class Policy(ABC):
         """Set the strength of gravity [m/s2], after a change of its strength or its direction.
 
         Before this call, the core turns the graph so that z is up, and lists every frozen body as changed. A policy
-        that keeps proofs or forces must drop them here, because they do not hold under the new gravity.
+        that keeps proofs or forces must delete both here, because they are invalid under the new gravity.
         """
         self.gravity = gravity
         self.limits = self.settings.limits(gravity)

@@ -1,7 +1,7 @@
 """The policy of exact statics: a body may freeze if contact forces in the Coulomb cones hold body and stack.
 
 Cheap proofs come first. The policy refuses a body that topples alone, and accepts a body in the safe region of its
-supports, in O(1) at any height. The policy solves the remaining bodies, together with the bodies that bear them. The
+supports, in O(1) at any height. The policy solves the remaining bodies, together with the bodies below. The
 remaining bodies are leaning bodies, counterweights, and bodies that lost a support. A failed solve gives a mechanism:
 the motion in which the bodies fall. Bodies that move in the mechanism stay live or unfreeze.
 
@@ -57,8 +57,8 @@ from stability_core.stack import (
 WAKE_GRIP = 1.02
 """Factor on friction in the test for unfreezing. This hysteresis keeps bodies at the limit of friction frozen."""
 TOGETHER = 12
-"""Greatest number of candidates in a joint solve within a budget, because few bodies hold each other in a pile, and a
-solve of fifty bodies that lean on each other takes 0.5 s."""
+"""Greatest number of candidates in a joint solve within a budget. In a pile few bodies hold each other, and a solve of
+fifty bodies that lean on each other takes 0.5 s."""
 DEAR = 16
 """Number of bodies above which a solve is expensive. If an expensive solve leaves bodies in doubt, the policy judges
 these bodies again only after ``doubt_s``, even if their surroundings change earlier."""
@@ -234,8 +234,8 @@ class Equilibrium(Policy):
     def _freeze_part(self, graph: Graph, group: IntArray) -> tuple[IntArray, str, IntArray]:
         """Freeze the bodies of ``group`` that stand: remove falling bodies until the remaining bodies stand.
 
-        Bodies in doubt freeze too, without a proof, once the engine has held all of them in place for ``doubt_s``. A
-        standing group usually costs one to four steps of a solve of the bodies that bear the group. A falling group
+        Bodies in doubt freeze too, without a proof, once the engine has held the whole group in place for ``doubt_s``.
+        A standing group usually costs one to four steps of a solve of the bodies that bear the group. A falling group
         usually costs a few steps of a solve of its own bodies.
 
         Returns:
@@ -282,8 +282,8 @@ class Equilibrium(Policy):
 
         - If a stack stands with a live load, nothing proves that the stack stands without the load.
         - A body in doubt unfreezes at any change around it.
-        - The method judges each part of the stack by itself, because an uncertain live load on one part must not hide
-          the fall of another part.
+        - The method judges each part of the stack separately, because an uncertain live load on one part must not
+          hide the fall of another part.
         """
         in_doubt = graph.bodies["doubt"][unproven] != PROVEN
         falls: IntArray = unproven[in_doubt]
@@ -369,7 +369,7 @@ class Equilibrium(Policy):
     ) -> IntArray | None:
         """Return the frozen bodies that fall in a joint solve with the live bodies ``joint`` (k,).
 
-        In this solve, the bodies ``joint`` distribute their weight as the stack needs it. All other live bodies press
+        In this solve, the bodies ``joint`` distribute their weight in favour of the stack. All other live bodies press
         with their estimated loads. The result is None if the solve would have more than ``most`` bodies.
         """
         borne = bearing(graph, self._memory, _together(seeds, carriers(graph, joint)), joint, self.gravity)

@@ -25,7 +25,7 @@ from stability_core.stack_mass import carry_down, support_polygon
 
 @compiled
 def balances(graph: Graph, body: int, margin: float) -> bool:
-    """Return True if C_stack lies in the combined contact area, or at most ``margin`` [sizes] outside it."""
+    """Return True if C_stack lies in the combined contact area, or at most ``margin`` [sizes] outside."""
     center, support = graph.bodies[body].stack_center, support_polygon(graph, body)
     if lies_on(support, center[0], center[1]):
         return True  # cheaper than the distance, and usually sufficient

@@ -11,7 +11,7 @@ mass:
   original method, the user chooses the angle of repose (``Settings.repose``). By default the angle of repose is
   atan(mu), with the friction coefficient mu of the contact on which a body stands.
 - A body lies inside the pile if it stands on the ground, or on frozen bodies at points below the roof.
-- A body inside the pile freezes once it is at rest, as in every policy, unless it touches a moving live body.
+- A body inside the pile freezes once it is at rest, as in every policy, unless the body touches a moving live body.
 - A body unfreezes after an impact, as in every policy, and when it has lost a support.
 
 The policy does not test balance, because inside a pile the neighbours hold bodies that would tip. With the default
@@ -141,7 +141,7 @@ def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits, supports: IntAr
         graph: the stack.
         buffers: the worklist.
         limits: the settings.
-        supports: number of contact areas on which each body stood when it froze, shape (bodies,). The function updates
+        supports: number of contact areas below each body at its freeze, shape (bodies,). The function updates
             the numbers of newly frozen bodies.
     """
     lay_due(graph, buffers, limits)

@@ -7,12 +7,12 @@ shares F_i of a load m g at c = C_stack on supports with contact areas centred a
 
 - A support whose own contact area contains c bears the whole load, as in Thomsen and Kraus.
 - Two supports share the load by their levers: |F_0| = m g |(c - p_1) . (p_0 - p_1)| / |p_0 - p_1|^2.
-- More than two supports take the least-squares solution of the lever equations F_i d_ij = F_j d_ji of all pairs, and of
-  the equation sum of all F_i = m g. Here d_ij = |(c - p_i) . (p_i - p_j)| / |p_i - p_j|^2. Thomsen and Kraus take equal
-  shares.
+- More than two supports take the least-squares solution of two kinds of equations. The lever equations of all pairs are
+  F_i d_ij = F_j d_ji. The sum of all F_i is m g. Here d_ij = |(c - p_i) . (p_i - p_j)| / |p_i - p_j|^2. Thomsen and
+  Kraus take equal shares.
 
 The article gives the lever equations without a scale. This policy divides each lever by the distance of the two
-supports, so that the equations have no dimension. As in the article, the sum is one of the least-squares equations.
+supports, so that the equations have no dimension. As in the article, the least-squares equations include the sum.
 Therefore the shares of more than two supports may sum to less than the load. Bodies that lean stay live, because the
 article's test covers flat boxes only.
 """

@@ -1,7 +1,7 @@
 """Ports to simulations that the user owns: ``attach`` an extension in one call.
 
-The engines are optional. A module of this package imports its engine; ``attach`` and ``stability_core.ports.NAME``
-load that module on first use.
+The engines are optional. Each port is a module, which imports its engine. ``attach`` and ``stability_core.ports.NAME``
+load this module on first use.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def attach(
 
     Raises:
         TypeError: if no port knows the engine of the world.
-        ImportError: if the engine's package is not installed.
+        ImportError: if Python does not find the package of the engine.
         ValueError: if a body cannot freeze, or the world has no gravity; the message names the fix.
         RuntimeError: if the world has an open attachment.
     """
@@ -104,7 +104,7 @@ def _module(name: str) -> ModuleType:
     """Return the module of a port.
 
     Raises:
-        ImportError: if the engine's package is not installed.
+        ImportError: if Python does not find the package of the engine.
     """
     try:
         return importlib.import_module(f"stability_core.ports.{name}")

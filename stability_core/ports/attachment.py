@@ -45,7 +45,7 @@ class EnginePort(StabilityPort, Protocol):
         ...
 
     def remove(self, bodies: Iterable[int]) -> None:
-        """Stop controlling bodies; a frozen body becomes live first if it is still in the world."""
+        """Stop controlling bodies; a frozen body in the world becomes live first."""
         ...
 
     def find_contacts(self) -> None:
@@ -71,7 +71,7 @@ class Attachment(StabilityExtension):
         if port.world in _ATTACHED:
             raise RuntimeError(
                 f"this {port.engine} world already has an extension attached: call close() of that extension first, or "
-                "add() to it to control more bodies"
+                "call add() of that extension to control more bodies"
             )
         gravity = port.gravity()
         if not any(gravity):

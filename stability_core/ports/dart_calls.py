@@ -1,7 +1,7 @@
 """Calls of DART for contacts and freezing, for the port and for the suite's adapter.
 
-``freeze`` stops a skeleton and makes it immobile. DART leaves an immobile skeleton out of integration and of the
-contact problem, so that no step of DART changes a bit of the skeleton's pose. DART lists no contacts between two
+``freeze`` stops a skeleton and makes it immobile. DART does not integrate an immobile skeleton, and leaves the skeleton
+out of the contact problem. Therefore no step changes a bit of the skeleton's pose. DART lists no contacts between two
 immobile skeletons.
 
 A normal of DART points from object 2 to object 1, so that object 2 is body a.

@@ -33,7 +33,9 @@ class Original(NamedTuple):
 
 @contextmanager
 def present_contacts(world: Any, nodes: Mapping[int, Any]) -> Iterator[tuple[list[Any], dict[Any, Original]]]:
-    """Yield the contacts among the copies, and the original of each copy's frame; both are valid within the context.
+    """Yield the contacts among the copies, and the original of each copy's frame.
+
+    Both values are valid within the context.
 
     Args:
         world: the world.

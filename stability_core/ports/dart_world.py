@@ -1,4 +1,4 @@
-"""``DartWorld``: the body nodes of a user's DART world, as ``FreeBodyPort`` reads and controls them."""
+"""``DartWorld``: access of ``FreeBodyPort`` to the body nodes of a user's DART world."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ class DartWorld(FreeBodyWorld):
         if not skeleton.isMobile():
             return f"{name} is immobile, so that it cannot fall: call setMobile(True), or leave it out"
         if joint.getActuatorType() not in _BY_FORCES:
-            return f"{name} is driven by the actuator of its joint: leave it out, or set ActuatorType.FORCE"
+            return f"{name} has an actuator, which drives its joint: leave it out, or set ActuatorType.FORCE"
         if not node.getGravityMode():
             return f"{name} has no gravity, so that it stands by itself: leave it out, or call setGravityMode(True)"
         return None

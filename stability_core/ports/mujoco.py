@@ -1,6 +1,6 @@
 """A port to a MuJoCo simulation that the user owns. The model must have ghosts: see ``prepare``.
 
-Ids are MuJoCo's body ids. The port controls the bodies that ``prepare`` gave a ghost. Bodies that are fixed to the
+Ids are MuJoCo's body ids. The port controls the bodies that ``prepare`` gave a ghost. Bodies without a joint to the
 world are the ground. All other bodies are obstacles: robots, mocap bodies, and bodies that the user leaves out. An
 obstacle that touches a controlled body counts as a body that the host moves.
 
@@ -40,9 +40,9 @@ NEAR = 1e-3
 """Greatest gap [m] at which ``find_contacts`` lists a pair, because MuJoCo lists no contact at a gap of zero."""
 _NO_PLACES = np.empty(0, np.int64)
 _MOVED = 1e-6
-"""Greatest change of a frozen body's position [m], or of a component of its quaternion, that is no move by the user."""
+"""Greatest change of a frozen body's position [m], or of a component of its quaternion, without a move by the user."""
 _TURNED = 1e-4
-"""Greatest change of a component of an obstacle's quaternion that is no turn: about 0.01 degrees."""
+"""Greatest change of a component of an obstacle's quaternion without a turn: about 0.01 degrees."""
 _STEP = 0.02
 """Greatest difference of ``dt`` from the simulated time [steps], because sums of time steps round."""
 _NO_GHOSTS = (
@@ -144,8 +144,8 @@ class MujocoPort:
             )
         if not math.isfinite(self.data.qpos.sum() + self.data.qvel.sum()):
             raise ValueError(
-                "this MuJoCo simulation has a pose or a velocity that is not finite, because it has diverged: use a "
-                "smaller timestep or softer contacts"
+                "this MuJoCo simulation has a pose or a velocity that is not finite, because the simulation has "
+                "diverged: use a smaller timestep or softer contacts"
             )
         turned = [body for body, turn in self._turns.items() if abs(self.data.xquat[body] - turn).max() > _TURNED]
         self._turns = {body: self.data.xquat[body].copy() for body in self._obstacles}
@@ -227,7 +227,7 @@ class MujocoPort:
         return Masses(ids, mass, rows[:, :3], removed)
 
     def sleep(self, bodies: Sequence[int]) -> None:
-        """Freeze bodies exactly where they are; skip bodies that are not live."""
+        """Freeze bodies at their present poses; skip bodies that are not live."""
         for body in [body for body in bodies if body in self._live]:
             free = self._frozen[body] = self._live.pop(body)
             free.show_ghost(*self._masks[body])
@@ -273,7 +273,7 @@ class MujocoPort:
                 f"of {', '.join(map(repr, names))}"
             )
         if body in self._live or body in self._frozen:
-            raise ValueError(f"body {name!r} is controlled already: list each body once")
+            raise ValueError(f"the port controls body {name!r} already: list each body once")
         return body
 
     def _note(self, body: int) -> None:

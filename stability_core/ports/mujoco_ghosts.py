@@ -1,10 +1,10 @@
 """Freezing of a free body in MuJoCo, for the port and for the suite's adapter.
 
 MuJoCo cannot make a body of a compiled model static. Each body therefore has a mocap body with the same geoms (its
-"ghost"). A frozen body is parked: the body has no collisions and no weight, and the ghost collides at the body's pose.
-From MuJoCo 3.4.0 on a parked body also sleeps, so that it costs no time. No step moves a mocap body, so that the drift
-is zero. MuJoCo lists no contacts of ghosts with one another or with the ground, because both are parts of the world
-body.
+"ghost"). ``park`` takes collisions and weight from a frozen body, and the ghost collides at the body's pose. From
+MuJoCo 3.4.0 on, a parked body also sleeps, and a sleeping body costs no time. No step moves a mocap body, so that the
+drift is zero. MuJoCo lists no contacts of ghosts with one another or with the ground, because both are parts of the
+world body.
 """
 
 from __future__ import annotations
@@ -120,7 +120,7 @@ def geoms_of(model: Model, body: int) -> IntArray:
 
 
 def set_masks(model: Model, body: int | None, geoms: IntArray, contype: IntArray, conaffinity: IntArray) -> None:
-    """Set the collision masks of geoms (n,) and of their body, because a geom's masks act only with those of its body.
+    """Set the collision masks of geoms (n,) and of their body, because MuJoCo tests both.
 
     Two geoms collide if the type of one geom and the affinity of the other share a bit.
     """

@@ -29,7 +29,7 @@ SLEEP_NEVER = mujoco.mjtSleepPolicy.mjSLEEP_NEVER.value if HAS_SLEEP else 0
 SLEEPING_OR_SPECULATIVE = (mujoco.mjtEnableBit.mjENBL_SLEEP.value if HAS_SLEEP else 0) | (
     mujoco.mjtEnableBit.mjENBL_SPECULATIVE.value if HAS_SPECULATIVE else 0
 )
-"""Flags that make MuJoCo omit sleeping pairs, or list distances that it did not measure."""
+"""Flags that make MuJoCo omit sleeping pairs, or list distances without a measurement."""
 
 _BAD_STATES = [int(getattr(mujoco.mjtWarning, f"mjWARN_BAD{state}")) for state in ("QPOS", "QVEL", "QACC")]
 

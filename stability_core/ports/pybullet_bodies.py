@@ -93,7 +93,7 @@ class PybulletBodies:
                 f"returned, of {present}"
             )
         if body in self.live or body in self.frozen:
-            raise ValueError(f"body {body} is controlled already: list each body once")
+            raise ValueError(f"the port controls body {body} already: list each body once")
         reason = self.reason_against(body)
         if reason:
             raise ValueError(f"body {body} {reason}")

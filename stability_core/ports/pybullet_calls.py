@@ -62,7 +62,8 @@ def freeze(handle: int, client: int) -> None:
 def unfreeze(handle: int, client: int, mass: float, activation: int) -> None:
     """Make a static body dynamic again, at rest, with this mass [kg] and activation state.
 
-    Bullet applies gravity as it was when the body was last active: call ``setGravity`` again if gravity has changed.
+    Bullet applies the gravity of the time at which the body was last active: call ``setGravity`` again if gravity has
+    changed.
     """
     pybullet.changeDynamics(handle, -1, mass=mass, activationState=activation, physicsClientId=client)
     stop(handle, client)

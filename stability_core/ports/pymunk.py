@@ -10,10 +10,10 @@ because the core counts lengths in sizes of a body. Where a docstring says metre
 example a pixel.
 
 Contacts: Chipmunk lists overlapping pairs. Chipmunk lists no contact between a kinematic and a frozen body. Therefore
-the port queries the shapes of kinematic and static bodies that have moved. Chipmunk lists an impact only in the step
-that has solved it, so that the port looks ahead of fast bodies. The port uses the velocities after the previous update
-as the velocities before a step. If several steps make a frame, approach speeds lack the fall of the frame. While all
-bodies are frozen, the port reads the space less often.
+the port queries the shapes of kinematic and static bodies that have moved. Chipmunk lists an impact no earlier than in
+the step of the impact. Therefore the port looks ahead of fast bodies. The port uses the velocities after the previous
+update as the velocities before a step. If several steps make a frame, approach speeds lack the fall of the frame. While
+all bodies are frozen, the port reads the space less often.
 """
 
 from __future__ import annotations
@@ -37,10 +37,10 @@ CALM_S = 1.0
 """Time [s] for which nothing must have moved before the port omits the obstacles. The core counts a body that the host
 has moved as ground after ``Settings.still_s``, 0.5 s, and must see the body until then."""
 LOOK_S = 0.05
-"""Time [s] between two looks at the whole space while all controlled bodies are frozen and nothing moves, because a
-look at a hundred bodies costs more than Chipmunk's step of a hundred static bodies."""
+"""Time [s] between two looks at the whole space while all controlled bodies are frozen and nothing moves. A look at a
+hundred bodies costs more than Chipmunk's step of a hundred static bodies."""
 _TURNED = 1e-4
-"""Greatest change of an obstacle's angle [rad] that is no turn."""
+"""Greatest change of an obstacle's angle [rad] without a turn."""
 
 
 def open_port(world: pymunk.Space, bodies: Collection[pymunk.Body] | None) -> PymunkPort:
@@ -86,7 +86,7 @@ class PymunkPort:
         self._reader.assign(self._bodies.rows)
         self._state = self._earlier = self._read_state()
         self._touching = np.zeros(len(self._state), np.bool_)
-        self._lifted(arbiters_of([], []), self._bodies.is_live, self._state[:, 3:])  # compile it now: no frame waits
+        self._lifted(arbiters_of([], []), self._bodies.is_live, self._state[:, 3:])  # to compile now, not in a frame
 
     # -- called by the attachment ------------------------------------------------------------------
 

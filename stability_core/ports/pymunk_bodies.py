@@ -1,7 +1,7 @@
 """Record of the bodies of a pymunk space: live bodies, frozen bodies and obstacles, and the row of each body in arrays.
 
 The port numbers the bodies, because pymunk identifies bodies by memory addresses. A body keeps its id as long as the
-body is in the space. Rows are in the order of the ids. The last row is ``space.static_body``, which counts as ground.
+body is in the space. The rows have the order of the ids. The last row is ``space.static_body``, which counts as ground.
 """
 
 from __future__ import annotations
@@ -131,7 +131,7 @@ class PymunkBodies:
         if planar.space is not self._space:
             raise ValueError(f"{planar} is not in this space: call space.add(body, shape) first")
         if planar in self.live or planar in self.frozen or planar in self._listed - self._left_out:
-            raise ValueError(f"{planar} is controlled already: list each body once")
+            raise ValueError(f"the port controls {planar} already: list each body once")
         reason = self.reason_against(planar)
         if reason:
             raise ValueError(f"{planar} {reason}")

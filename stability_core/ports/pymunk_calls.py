@@ -37,7 +37,7 @@ def unfreeze(planar: pymunk.Body, mass: float, moment: float) -> None:
 
 
 def forget_pairs(space: pymunk.Space, planar: pymunk.Body) -> None:
-    """Delete the arbiters of a newly frozen body; the next step detects its contacts with live bodies again.
+    """Delete the arbiters of a newly frozen body; the next step detects new contacts with live bodies.
 
     The function removes and adds the shapes, because Chipmunk deletes the arbiters of a removed shape.
     """

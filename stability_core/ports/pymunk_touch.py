@@ -204,7 +204,7 @@ def _separation(a: Outline, b: Outline) -> tuple[float, tuple[Point, Point, Poin
 
 
 def _clipped(gap: float, edge: tuple[Point, Point, Point], a: Outline, b: Outline) -> Touch:
-    """Return the contact of an edge of a and the edge of b that faces it; ``gap`` is the separation of their cores."""
+    """Return the contact of an edge of a and the facing edge of b, with the ``gap`` between the corners' outlines."""
     gap -= a.radius + b.radius
     start, end, (nx, ny) = edge
     length = math.hypot(end[0] - start[0], end[1] - start[1])

@@ -65,10 +65,10 @@ def stop(view: rapier3d.RigidBody) -> None:
 
 
 def copy_of(world: rapier3d.PhysicsWorld) -> rapier3d.PhysicsWorld:
-    """Return a copy of a world for the detection of collisions; its colliders have the same handles.
+    """Return a copy of a world for the detection of collisions.
 
-    Do not call ``detect_collisions`` in the world itself, because the call changed later poses, and once made the next
-    step crash.
+    The colliders of the copy have the same handles. Do not call ``detect_collisions`` in the world itself, because the
+    call changed later poses, and once made the next step crash.
     """
     return rapier3d.PhysicsWorld.restore(world.snapshot())
 

@@ -1,6 +1,6 @@
 """Calls of SAPIEN for contacts and freezing in PhysX 5, for the port and for the suite's adapter.
 
-``freeze`` makes a body kinematic. No step of PhysX changes a bit of the pose of a kinematic body, and PhysX does not
+``freeze`` makes a body kinematic. No step of PhysX changes a bit of the pose of a kinematic body. PhysX does not
 collide a kinematic body with the ground or with another kinematic body. ``unfreeze`` makes the body dynamic again, at
 rest and awake. SAPIEN's ``put_to_sleep`` does not freeze a body, because the first touch wakes the body.
 

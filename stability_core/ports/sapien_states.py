@@ -10,8 +10,8 @@ import numpy as np
 from stability_core.port import FloatArray, IntArray
 
 STATE_ALONE, POSITION_ALONE = 50, 15
-"""Ratios of the time to read the state (10 us) or the position (3 us) of one body alone to the time per body of the
-packed block (0.2 us). The packed block holds every body of the world."""
+"""Ratios of the time to read the state (10 us), or the position (3 us), of one body to the time per body of the packed
+block (0.2 us). The packed block holds every body of the world."""
 
 
 class BodyStates:

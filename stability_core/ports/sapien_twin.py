@@ -18,10 +18,10 @@ INSTANT_S = 1e-6
 
 @contextmanager
 def present_contacts(components: Mapping[int, Component]) -> Iterator[tuple[list[Any], dict[Component, int]]]:
-    """Yield the contacts at the present poses, and the id of each component in them; both are valid within the context.
+    """Yield the contacts at the present poses, and the id of each component in these contacts.
 
-    A second world with copies of the bodies, weightless and at rest, makes one step of ``INSTANT_S``. PhysX detects
-    contacts at the start of a step. The first world does not change.
+    Both values are valid within the context. A second world with copies of the bodies, weightless and at rest, makes
+    one step of ``INSTANT_S``. PhysX detects contacts at the start of a step. The first world does not change.
 
     Args:
         components: component of each body, by id. Bodies that are neither dynamic nor static become kinematic.

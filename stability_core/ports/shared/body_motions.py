@@ -14,7 +14,7 @@ COLUMNS = 13
 CENTER, POSE, VELOCITY, SPIN = slice(0, 3), slice(0, 7), slice(7, 10), slice(10, 13)
 _TURN = slice(3, 7)
 _TURNED = 1e-4
-"""Greatest change of a component of an obstacle's quaternion that is no turn: about 0.01 degrees."""
+"""Greatest change of a component of an obstacle's quaternion without a turn: about 0.01 degrees."""
 
 
 def check_finite(ids: IntArray, rows: FloatArray) -> None:

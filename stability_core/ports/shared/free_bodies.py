@@ -13,7 +13,7 @@ from stability_core.ports.shared.shapes import ShapeTable
 
 LOOK_S = 0.1
 """Time [s] between two looks at the places of frozen and of static bodies. The port lists the bodies of a world with
-the same delay if ``FreeBodyWorld.can_read`` replaces the list, because a list of a hundred bodies costs half as much as
+the same delay if ``FreeBodyWorld.can_read`` allows the delay. Reason: a list of a hundred bodies costs half as much as
 the engine's step of frozen bodies."""
 AT_A_LOOK = 5
 """Greatest number of frozen bodies whose places the port checks at a look, because some engines read body by body."""
@@ -33,7 +33,7 @@ class FreeBodies:
         self.obstacles: set[int] = set()
         """Bodies that have touched a controlled body."""
         self.movers: set[int] = set()
-        """Bodies that the port does not control and that move by forces, so that they collide with frozen bodies."""
+        """Bodies that move by forces, outside the control of the port. These bodies collide with frozen bodies."""
         self.moved: list[int] = []
         """Frozen bodies that the host had moved, among the bodies that the latest look checked."""
         self.has_looked = True
@@ -103,7 +103,7 @@ class FreeBodies:
                     f"the world, of {sorted(self._present)}"
                 )
             if body in self.live or body in self.frozen:
-                raise ValueError(f"body {body} is controlled already: list each body once")
+                raise ValueError(f"the port controls body {body} already: list each body once")
             reason = self._world.reason_against(body)
             if reason:
                 raise ValueError(f"body {body} {reason}")
@@ -175,7 +175,7 @@ class FreeBodies:
     # -- helpers --------------------------------------------------------------------------------------
 
     def _find_moved(self) -> None:
-        """Set ``moved`` to the next frozen bodies, in turn, whose poses differ from those at which they froze."""
+        """Set ``moved`` to the bodies with a pose other than at their freeze, among the next frozen bodies in turn."""
         if not self._unseen:
             self._unseen = [*self.frozen]
         frozen = [body for body in self._unseen[:AT_A_LOOK] if body in self.frozen]
@@ -186,7 +186,7 @@ class FreeBodies:
             self.moved = [frozen[row] for row in np.flatnonzero(differs).tolist()]
 
     def _check_next(self) -> list[int]:
-        """Check the next live body, in turn; return it if it can no longer freeze, otherwise record its mass."""
+        """Check the next live body, in turn; return the body if it can no longer freeze, else record its mass."""
         if not self.live:
             return []
         if not self._unchecked:

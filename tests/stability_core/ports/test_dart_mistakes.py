@@ -97,7 +97,7 @@ def test_a_body_that_an_actuator_drives() -> None:
     world = open_world()
     body = add(world, (0.0, 0.0, 1.0))
     body.getJoint(0).setActuatorType(dartpy.dynamics.ActuatorType.VELOCITY)
-    with pytest.raises(ValueError, match=r"driven by the actuator.*ActuatorType.FORCE"):
+    with pytest.raises(ValueError, match=r"actuator.*ActuatorType.FORCE"):
         attach(world, bodies=[body])
 
 
@@ -112,7 +112,7 @@ def test_a_body_without_gravity_of_its_own() -> None:
 def test_a_body_listed_twice() -> None:
     world = open_world()
     body = add(world, (0.0, 0.0, 1.0))
-    with pytest.raises(ValueError, match="controlled already: list each body once"):
+    with pytest.raises(ValueError, match=r"controls .* already: list each body once"):
         attach(world, bodies=[body, body])
 
 

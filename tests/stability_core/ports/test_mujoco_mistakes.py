@@ -138,5 +138,5 @@ def test_an_engine_that_is_not_installed(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_a_port_that_does_not_exist() -> None:
-    with pytest.raises(AttributeError, match="ports: pybullet, mujoco, sapien, rapier"):
+    with pytest.raises(AttributeError, match="use one of the ports pybullet, mujoco, sapien, rapier"):
         _ = ports.havok

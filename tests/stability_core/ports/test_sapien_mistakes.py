@@ -109,13 +109,13 @@ def test_a_body_without_gravity_of_its_own(scene) -> None:
 def test_a_body_with_locked_axes(scene) -> None:
     entity = add(scene, (0.0, 0.0, 1.0))
     component(entity).set_locked_motion_axes([False, False, False, True, True, False])
-    with pytest.raises(ValueError, match=r"locked axes.*unlock it"):
+    with pytest.raises(ValueError, match=r"locked axes.*set_locked_motion_axes"):
         attach(scene, bodies=[entity.per_scene_id])
 
 
 def test_a_body_listed_twice(scene) -> None:
     body = add(scene, (0.0, 0.0, 1.0)).per_scene_id
-    with pytest.raises(ValueError, match="controlled already: list each body once"):
+    with pytest.raises(ValueError, match=r"controls .* already: list each body once"):
         attach(scene, bodies=[body, body])
 
 
