@@ -57,7 +57,7 @@ class Part(NamedTuple):
 def _patches_of(graph: Graph, ids: IntArray, index: IntArray, outside: int) -> tuple[IntArray, int, IntArray]:
     """Return the patches that join the bodies ``ids`` to each other, to the ground, and to other frozen bodies.
 
-    With ABSENT_OUTSIDE, the function omits patches between a body of ``ids`` and another frozen body.
+    With ABSENT_OUTSIDE, the function omits patches that join ``ids`` to other frozen bodies.
 
     Returns:
         Three values:

@@ -1,9 +1,9 @@
 """Load a stack from zero prestress, layer by layer from the top down.
 
 ``loading`` displaces all bodies at once and factorises one matrix of all bodies. This module loads one cluster of
-bodies after another, at the sum of the clusters' costs. Bodies that touch sideways form a cluster, because they may
-hold each other. The supports of a cluster do not give way. The contact forces of the cluster are loads of the clusters
-below.
+bodies after another, at the sum of the clusters' costs. Bodies that touch sideways form a cluster, because the bodies
+may hold each other. The supports of a cluster do not give way. The contact forces of the cluster are loads of the
+clusters below.
 
 Proof: if contacts hold every cluster, the forces of all clusters lie in the Coulomb cones, balance all loads, and arise
 without prestress. The contacts of lower layers behave as if they were far stiffer than the contacts of higher layers.

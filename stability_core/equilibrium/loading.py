@@ -17,7 +17,7 @@ sensitivity decides between both cases for each body:
 
     d u / d ln kappa = (A C A^T + M / kappa)^-1 M u / kappa        C: tangent of the contact law
 
-The sensitivity is u itself for a body that falls, and u times (compliance / kappa) for a body that stands. Both cases
+The sensitivity is u for a body that falls, and u times (compliance / kappa) for a body that stands. Both cases
 differ by powers of ten. The bodies need no prestress if the sensitivity is small for each tangential stiffness of
 ``STIFFNESSES``.
 

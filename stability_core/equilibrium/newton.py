@@ -8,14 +8,15 @@ f       = P_K(A^T y), the solution of least norm, where y minimises the convex f
 
 |P_K(A^T y)|^2 / 2 - w . y + rho |y - y'|^2 / 2.
 
-P_K is the projection onto the cones, and A K is the set of all A f with f in the cones. The last term, with the weight
-rho about the latest y', makes the search a proximal point method. This method also solves degenerate problems.
+P_K is the projection onto the cones, and A K is the set of all A f with f in the cones. The last term has the weight
+rho and the centre y', the latest proximal point. This term makes the search a proximal point method. This method also
+solves degenerate problems.
 
 - If forces in the cones balance w, the unbalanced rest r = w - A f = rho (y - y') tends to zero.
 - If no forces in the cones balance w, r tends to the shortest vector between w and A K. This vector proves the fall
   (Farkas): r . w > 0, while A^T r lies in the polar of K. With velocities -r gravity does work, and no contact resists.
 
-Before the limit, A^T r lies only nearly in the polar. The same method, with w = 0 and y' = r, then finds the nearest
+Before the limit, A^T r lies nearly in the polar. The same method, with w = 0 and y' = r, then finds the nearest
 motion for which A^T r lies in the polar, except for rounding.
 """
 

@@ -64,8 +64,9 @@ def solve_equilibrium(contacts: Contacts, masses: Masses, gravity: Sequence[floa
     """Decide whether all bodies stay at rest.
 
     Every row of ``contacts`` counts as touching, at any separation and velocity. Leave out rows that do not touch. Only
-    the ground is fixed. The verdict does not depend on the scale of length, mass or gravity. For a body that touches
-    only in points and lines, the contact points may be off by a millionth of its size (see ``faces``).
+    the ground is fixed. Except for rounding, the verdict does not depend on the scale of length, mass or gravity. For a
+    body that touches only in points and lines, the contact points may be off by a millionth of its size (see
+    ``faces``).
 
     - "stable": contact forces in the Coulomb cones hold the bodies (``forces``), and arise by themselves. Either
       vertical forces on load-bearing contacts suffice, or loading from zero prestress comes to rest (see ``loading``).
@@ -84,8 +85,8 @@ def solve_equilibrium(contacts: Contacts, masses: Masses, gravity: Sequence[floa
         gravity: gravity vector [m/s2], in any direction.
 
     Raises:
-        ValueError: for malformed contacts or masses; for normals at the ground that all point from b to a; for zero
-            or infinite gravity. The message names the field and the row.
+        ValueError: for malformed contacts or masses; for normals at the ground that all point from b to a; for
+            gravity that is zero or not finite. The message names the field and the row.
     """
     index_a, index_b = _checked(contacts, masses)
     down = np.asarray(gravity, np.float64)

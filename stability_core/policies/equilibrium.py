@@ -1,15 +1,15 @@
-"""The policy of exact statics: a body may freeze if contact forces in the Coulomb cones hold body and stack.
+"""The policy of exact statics: a body may freeze if contact forces in the Coulomb cones hold the body and the stack.
 
 Cheap proofs come first. The policy refuses a body that topples alone, and accepts a body in the safe region of its
 supports, in O(1) at any height. The policy solves the remaining bodies, together with the bodies below. The
 remaining bodies are leaning bodies, counterweights, and bodies that lost a support. A failed solve gives a mechanism:
 the motion in which the bodies fall. Bodies that move in the mechanism stay live or unfreeze.
 
-A proof holds for frozen bodies only: there is no certificate for a stack with a live load, or after a change of mass,
-normal or neighbour. Therefore the departure of a live load invalidates no proof. The stack bears a new live load if the
+A proof covers frozen bodies, not live loads. A change of mass, normal or neighbour invalidates the proof of a body.
+Therefore the departure of a live load invalidates no proof. The stack bears a new live load if the
 load lies in a safe region.
 
-A body in doubt (see ``verdict``) has no proof. The body freezes only after the engine has held it in place for
+A body in doubt (see ``verdict``) has no proof. The body freezes only after the engine has held the body in place for
 ``doubt_s`` under the present contacts. The body unfreezes at any change of contact, load or neighbour.
 """
 
@@ -280,8 +280,8 @@ class Equilibrium(Policy):
     def _unbalanced(self, graph: Graph, buffers: FrameBuffers, unproven: IntArray) -> IntArray:
         """Return the frozen bodies that move in the mechanism of an unbalanced part of the stack.
 
-        - If a stack stands with a live load, nothing proves that the stack stands without the load.
-        - A body in doubt unfreezes at any change around it.
+        - A stack that stands with a live load gets no proof, because the stack may fall without the load.
+        - A body in doubt unfreezes at any change around the body.
         - The method judges each part of the stack separately, because an uncertain live load on one part must not
           hide the fall of another part.
         """

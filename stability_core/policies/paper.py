@@ -155,9 +155,7 @@ class Paper(Policy):
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
         """Run the flat test, then the leaning test; update the stack data; then run the overall test.
 
-        Equations 1 to 5 of the paper give the stack data.
-
-        The cost is O(k log k) for the k bodies with a changed load.
+        Equations 1 to 5 of the paper give the stack data. The cost is O(k log k) for the k bodies with a changed load.
         """
         flat, leaning, unbalanced = _settle(graph, buffers, self.limits, self.gravity)
         return Decision(dict.fromkeys(flat.tolist(), "flat") | dict.fromkeys(leaning.tolist(), "leaning"), unbalanced)

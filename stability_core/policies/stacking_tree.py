@@ -50,9 +50,9 @@ def _lever(center: FloatArray, own: FloatArray, other: FloatArray) -> float:
 def lever_shares(center: FloatArray, contacts: FloatArray) -> FloatArray:
     """Return the shares (k,) of a load at ``center`` (3,) on supports with contact centres ``contacts`` (k, 3).
 
-    The shares s satisfy the lever equations L s = 0, and their sum is 1^T s = 1, with the vector 1 of ones. The normal
-    equations of both are (L^T L + 1 1^T) s = 1. Gaussian elimination needs no pivoting, because the matrix is positive
-    definite. The shares are not negative, because the off-diagonal entries of L^T L are not positive.
+    The shares s satisfy the lever equations L s = 0, and sum to 1^T s = 1, with the vector 1 of ones. The normal
+    equations of both conditions are (L^T L + 1 1^T) s = 1. Gaussian elimination needs no pivoting, because the matrix
+    is positive definite. The shares are not negative, because the off-diagonal entries of L^T L are not positive.
     """
     k = len(contacts)
     if k < 2:
@@ -113,7 +113,7 @@ def _add_shares(graph: Graph, upper: int, borne: FloatArray) -> None:
 
 @compiled
 def _downward(graph: Graph, changed: IntArray) -> IntArray:
-    """Return the ``changed`` bodies and all bodies below them, each body before its supports, shape (k,): O(k).
+    """Return the ``changed`` bodies and all lower bodies, each body before its supports, shape (k,): O(k).
 
     The order is the reverse postorder of a depth-first search from each changed body.
     """

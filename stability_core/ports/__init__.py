@@ -75,7 +75,7 @@ def warm_up(policy: str = "equilibrium") -> float:
     the compilation takes minutes, once per version.
 
     Raises:
-        UnknownNameError: if ``POLICIES`` has no ``policy``.
+        UnknownNameError: if ``POLICIES`` does not contain ``policy``.
     """
     seconds = extension.warm_up(policy)
     compile_kernels()

@@ -17,8 +17,8 @@ Traps:
 
 - DART's list of contacts refers to freed memory once a skeleton has left the world. The port then finds the contacts
   again, until the next step. Remove and add the last skeleton of a world after ``update``, not between a step and
-  ``update``, because the port cannot see this change.
-- DART keeps at most 1000 contacts. A live body whose contacts DART has dropped does not freeze.
+  ``update``, because the port does not detect this change.
+- By default, DART keeps at most 1000 contacts. A live body whose contacts DART has dropped does not freeze.
 """
 
 from __future__ import annotations

@@ -30,8 +30,7 @@ def solid_of(node: Any) -> Solid | None:
     """Return the shape of a body node relative to its centre of mass, in the orientation of its frame.
 
     Returns:
-        The solid of a plane, a box or a cylinder; None for other shapes, because DART gives no vertices of meshes, and
-        None for compound bodies.
+        The solid of a plane, a box or a cylinder, else None, because DART gives no vertices of meshes.
     """
     shapes = colliding_shapes(node)
     if len(shapes) != 1:

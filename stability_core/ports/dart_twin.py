@@ -28,7 +28,7 @@ class Original(NamedTuple):
     shape: Any
     """DART's shape node."""
     growth: float
-    """Distance [m] by which the surface of the copy lies outside: 0 for a shape that the module cannot enlarge."""
+    """Distance [m] by which the surface of the copy lies outside the shape: 0 for shapes without an enlarged copy."""
 
 
 @contextmanager
@@ -57,7 +57,7 @@ def present_contacts(world: Any, nodes: Mapping[int, Any]) -> Iterator[tuple[lis
 
 
 def _enlarged(shape: Any) -> tuple[Any, float]:
-    """Return an enlarged copy of a shape and its growth on every side [m], or the shape itself and 0."""
+    """Return an enlarged copy of a shape and the growth on every side [m], or the shape and 0."""
     match shape:
         case dynamics.BoxShape():
             return dynamics.BoxShape(shape.getSize() + 2 * GROWTH), GROWTH

@@ -83,8 +83,7 @@ class DartWorld(FreeBodyWorld):
     def can_read(self, bodies: Collection[int]) -> bool:
         """Return True if the number of skeletons is the same, and none of ``bodies`` moves by itself.
 
-        In this case the port does not read DART's list of contacts. The list refers to freed memory once a skeleton has
-        left.
+        Otherwise the port may read DART's list of contacts. The list refers to freed memory once a skeleton has left.
         """
         return self._world.getNumSkeletons() == len(self._listed) and not any(map(self.is_mover, bodies))
 

@@ -1,6 +1,6 @@
 """A port to a MuJoCo simulation that the user owns. The model must have ghosts: see ``prepare``.
 
-Ids are MuJoCo's body ids. The port controls the bodies that ``prepare`` gave a ghost. Bodies without a joint to the
+Ids are MuJoCo's body ids. The port controls the bodies that ``prepare`` gave a ghost. Bodies with a fixed place in the
 world are the ground. All other bodies are obstacles: robots, mocap bodies, and bodies that the user leaves out. An
 obstacle that touches a controlled body counts as a body that the host moves.
 
@@ -269,8 +269,8 @@ class MujocoPort:
         body = names.get(name, -1) if isinstance(name, str) else name
         if body not in self._free:
             raise ValueError(
-                f"body {name!r} has no ghost in this MuJoCo model: prepare(spec) it before spec.compile(), or pass one "
-                f"of {', '.join(map(repr, names))}"
+                f"body {name!r} has no ghost in this MuJoCo model: call prepare(spec) before spec.compile(), or pass "
+                f"one of {', '.join(map(repr, names))}"
             )
         if body in self._live or body in self._frozen:
             raise ValueError(f"the port controls body {name!r} already: list each body once")

@@ -91,11 +91,11 @@ def speculative_rows(found: Found, rows: IntArray) -> IntArray:
 def fall(model: Model, falls: np.ndarray[Any, np.dtype[np.bool_]]) -> FloatArray:
     """Return the change (n, 3) [m/s] that gravity causes in one step in the relative velocities of pairs.
 
-    A pair with a speculative contact falls freely for that step, because its bodies do not touch yet.
+    A pair with a speculative contact falls freely for that step, because the bodies do not touch yet.
 
     Args:
         model: the compiled model.
-        falls: whether each body of the n pairs falls, shape (n, 2).
+        falls: mask of the bodies that fall, shape (n, 2) for n pairs.
     """
     gained: FloatArray = model.opt.gravity * model.opt.timestep
     both = falls.astype(np.float64)

@@ -97,7 +97,7 @@ class FreeBody:
         set_masks(self._model, self.ghost, self.ghost_geoms, contype, conaffinity)
 
     def return_from_ghost(self) -> None:
-        """Place the body exactly at the ghost's pose."""
+        """Place the body at the ghost's pose."""
         self.pose[:3] = self._data.mocap_pos[self.mocap]
         self.pose[3:] = self._data.mocap_quat[self.mocap]
 

@@ -24,11 +24,10 @@ _COPIED = (
 def prepare(spec: Spec, bodies: Collection[str] | None = None) -> Spec:
     """Add ghosts to a model, so that the extension can freeze bodies.
 
-    Call the function before ``spec.compile()``.
-    Each controlled body gets a ghost: an invisible mocap body with the same geoms. The ghost collides only while the
-    body is frozen. Other bodies, joints, actuators and sensors keep their ids and their motions. A frozen body must be
-    able to sleep. The function therefore enables MuJoCo's sleeping, but for frozen bodies only, unless the model has
-    enabled sleeping.
+    Call the function before ``spec.compile()``. Each controlled body gets a ghost: an invisible mocap body with the
+    same geoms. The ghost collides only while the body is frozen. Other bodies, joints, actuators and sensors keep their
+    ids and their motions. A frozen body must be able to sleep. The function therefore enables MuJoCo's sleeping, but
+    for frozen bodies only, unless the model has enabled sleeping.
 
     Args:
         spec: the model.

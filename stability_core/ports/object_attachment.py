@@ -34,8 +34,8 @@ class ObjectPort(EnginePort, Protocol):
 class ObjectAttachment(Attachment):
     """An attachment whose methods accept the engine's bodies as well as their ids.
 
-    ``frozen`` and the changes that ``update`` returns hold ids. ``body_of`` and ``id_of`` convert ids
-    and bodies.
+    ``frozen`` and the changes that ``update`` returns hold ids. ``body_of`` converts ids to
+    bodies, and ``id_of`` converts bodies to ids.
     """
 
     port: ObjectPort

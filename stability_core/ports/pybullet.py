@@ -6,8 +6,8 @@ counts as a body that the host moves. A plane counts as the ground.
 
 Contacts: Bullet lists some points of a contact area, for example one point across a gap. The port adds the missing
 corners of contact areas between boxes, cylinders, convex meshes and planes. The port uses the velocities after the
-previous update as the velocities before a step. Therefore approach speeds are exact if ``update`` follows each step. If
-several steps make a frame, approach speeds lack the fall of the frame.
+previous update as the velocities before a step. Therefore approach speeds are accurate if ``update`` follows each step.
+If several steps make a frame, approach speeds lack the fall of the frame.
 
 Bullet's own sleep is off for controlled bodies, because a sleeping body does not wake when its support leaves the
 world.

@@ -82,7 +82,7 @@ class PybulletBodies:
         """Control a free body.
 
         Raises:
-            ValueError: if the body does not exist, is static, has joints, or is under control already.
+            ValueError: if the body does not exist, is static, has joints, or is already under control.
         """
         present = [
             pybullet.getBodyUniqueId(index, self._client) for index in range(pybullet.getNumBodies(self._client))
@@ -109,14 +109,14 @@ class PybulletBodies:
             self.shapes.add(body, solid)
 
     def remove(self, body: int) -> None:
-        """Forget a body that leaves the world or the port's control."""
+        """Delete the record of a body that leaves the world or the port's control."""
         self.live.pop(body, None)
         self.frozen.pop(body, None)
         self.shapes.remove(body)
         self._removed.append(body)
 
     def freeze(self, body: int) -> None:
-        """Record a live body as frozen, with its mass and inertia, because Bullet will forget both."""
+        """Record a live body as frozen, with its mass and inertia, because Bullet deletes both."""
         info = pybullet.getDynamicsInfo(body, _BASE, self._client)
         del self.live[body]
         self.frozen[body] = Inertia(info[_MASS], info[_INERTIA])

@@ -1,8 +1,8 @@
 """Calls of PyBullet for contacts and freezing, for the port and for the suite's adapter.
 
 ``freeze`` stops the body, and sets its mass to 0 and its activation state to asleep. The body is then static:
-no step of Bullet changes a bit of its pose, and Bullet does not collide two frozen bodies. Unfreezing restores the
-mass, and Bullet then computes inertia and gravity again.
+no step of Bullet changes a bit of its pose, and Bullet does not collide two frozen bodies. ``unfreeze`` restores the
+mass. Bullet then computes inertia and gravity again.
 """
 
 from __future__ import annotations

@@ -6,8 +6,7 @@ the bodies. The attachment's methods accept ``pymunk.Body``.
 
 Plane: pymunk's axes x and y are the core's axes x and z. A contact point represents a line across the plane. The line
 is as long as the reach of the smaller body, and the port lists both ends. The port keeps the units of the space,
-because the core counts lengths in sizes of a body. Where a docstring says metre, read the unit of the space, for
-example a pixel.
+because the core counts lengths in sizes of a body. Metre means the unit of the space, for example a pixel.
 
 Contacts: Chipmunk lists overlapping pairs. Chipmunk lists no contact between a kinematic and a frozen body. Therefore
 the port queries the shapes of kinematic and static bodies that have moved. Chipmunk lists an impact no earlier than in

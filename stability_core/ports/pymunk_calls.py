@@ -7,8 +7,8 @@ Traps:
 
 - A static body keeps the pending correction of its overlap (``v_bias``), which would move the body after
   ``unfreeze``. An integration over a time of 0 clears the correction.
-- Chipmunk keeps the arbiters (contact records) of two static bodies for ever. Other contacts soon reuse the memory of
-  their points. ``forget_pairs`` deletes the arbiters.
+- Chipmunk keeps the arbiters (contact records) of two static bodies without end. Other contacts soon reuse the memory
+  of their points. ``forget_pairs`` deletes the arbiters.
 - A change of the body type in a callback of a step aborts the process.
 """
 

@@ -32,7 +32,7 @@ def lift_contacts(
     """Return the contacts that touch a live body, sorted by the bodies' rows, in three dimensions.
 
     Each of Chipmunk's points gives two points: the ends of a line along y, as long as the smaller depth of the pair.
-    Chipmunk may swap the bodies of a pair from step to step; in the result body a has the lower row. Between
+    Chipmunk may swap the bodies of a pair from step to step. In the result, body a has the lower row. Between
     coincident corners Chipmunk reports a normal of length zero and no force. The kernel skips this pair.
 
     Args:

@@ -1,8 +1,8 @@
 """Reader of Chipmunk's bodies and contacts in batch arrays, for the port and for the suite's adapter.
 
 Each body has a row in the arrays. In the suite the row of a body is its id. The ground has the last row, -1, and the
-fixed boxes have the rows before it, so that their negative ids select these rows. In the
-port, row k is the row of body k of a list (see ``SpaceReader.assign``).
+fixed boxes have the rows before the last row, so that negative ids select these rows. In the port, row k belongs to
+body k of a list (see ``SpaceReader.assign``).
 """
 
 from __future__ import annotations

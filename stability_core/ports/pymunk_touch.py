@@ -1,6 +1,6 @@
 """Contacts of pymunk's shapes at their present poses, also at a gap of zero, without a change of the space.
 
-Chipmunk's own query finds overlapping shapes only, and rounding determines its normals between corners that meet. This
+Chipmunk's own query finds overlapping shapes only. Rounding determines its normals between corners that meet. This
 module separates two convex outlines along the normals of their edges (separating axes), and clips the facing edges.
 """
 
@@ -101,7 +101,7 @@ def touch_of(a: Outline, b: Outline) -> Touch:
 def meeting_of(a: Outline, b: Outline, way: Point) -> Touch | None:
     """Return the contact in which shape a meets shape b, if a moves by ``way`` without turning; None without a meeting.
 
-    The points lie on b. Their distance is the way of a along the normal until the shapes meet (conservative
+    The points lie on b. Their distance is the path of a along the normal until the shapes meet (conservative
     advancement).
     """
     near, part = NEAR * min(a.reach, b.reach), 0.0
@@ -204,7 +204,7 @@ def _separation(a: Outline, b: Outline) -> tuple[float, tuple[Point, Point, Poin
 
 
 def _clipped(gap: float, edge: tuple[Point, Point, Point], a: Outline, b: Outline) -> Touch:
-    """Return the contact of an edge of a and the facing edge of b, with the ``gap`` between the corners' outlines."""
+    """Return the contact of an edge of a and the facing edge of b, with the ``gap`` of the shapes without radii."""
     gap -= a.radius + b.radius
     start, end, (nx, ny) = edge
     length = math.hypot(end[0] - start[0], end[1] - start[1])

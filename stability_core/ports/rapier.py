@@ -1,8 +1,8 @@
 """A port to a Rapier world that the user owns.
 
-The id of a body is ``id_of(handle)``. The port controls free dynamic bodies. All other bodies are
-obstacles: kinematic and fixed bodies, bodies with joints, with locked axes or without the world's gravity, and bodies
-that the user leaves out. Colliders without a body are obstacles as well.
+The id of a body is ``id_of(handle)``. The port controls free dynamic bodies. All other bodies are obstacles: kinematic
+and fixed bodies, bodies with joints, with locked axes or without the world's gravity, and bodies that the user leaves
+out. Colliders without a body are obstacles as well.
 
 The port returns Rapier's contacts, and adds the missing corners of contact areas between boxes, standing cylinders,
 convex polyhedra and half spaces. The port changes no setting of the world or of a live body.

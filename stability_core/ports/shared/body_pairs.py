@@ -1,4 +1,7 @@
-"""Selection of the pairs of an engine that contain certain bodies, at a cost that depends on these bodies only."""
+"""Selection of the pairs of an engine that contain certain bodies.
+
+The cost grows with the number of these bodies.
+"""
 
 from __future__ import annotations
 

@@ -2,8 +2,8 @@
 
 Bodies that the port does not control are obstacles. An obstacle that touches a controlled body counts as a body that
 the host moves. A half space counts as the ground. The port uses the velocities after the previous update as the
-velocities before a step. Therefore approach speeds are exact if ``update`` follows each step. If several steps make a
-frame, approach speeds lack the fall of the frame.
+velocities before a step. Therefore approach speeds are accurate if ``update`` follows each step. If several steps make
+a frame, approach speeds lack the fall of the frame.
 
 The engines do not collide a frozen body with a kinematic body. The port therefore unfreezes the frozen bodies beside a
 kinematic body that moves. The engine gives the normal forces. The changes of the bodies' momentum give

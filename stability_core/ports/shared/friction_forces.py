@@ -12,8 +12,8 @@ with + if body i is body b of contact c, and - if body i is body a.
 
 In a column the balance determines the friction of each pair of bodies. For a body on several supports the balance does
 not determine the friction. The minimum then shares friction in proportion to the loads. The module neglects torques
-about the normal, and forces that the host applies. Conjugate gradients (CGLS), started from zero, find the
-least-squares solution of smallest norm.
+about the normal, and forces that the host applies. The module starts conjugate gradients (CGLS) from zero, which
+leads to the least-squares solution of smallest norm.
 """
 
 from __future__ import annotations

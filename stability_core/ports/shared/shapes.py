@@ -75,7 +75,7 @@ class ShapeTable:
                 self._poses[row] = pose
 
     def completed(self, contacts: Contacts) -> Contacts:
-        """Return the contacts, followed by the missing corners of their contact areas.
+        """Return the contacts, then the missing corners of their contact areas.
 
         A corner has the velocity and the friction of the deepest contact of its pair, and no force.
         """
