@@ -43,7 +43,7 @@ STALLS = 20
 steps before longer steps succeed again."""
 SHORTEST_STEP = 1e-3
 ENOUGH = 0.1
-"""Least relative reduction of the imbalance by a step, over the step length."""
+"""Least relative reduction of the imbalance by a step, over the step length (Armijo's rule)."""
 ROLLING = 1e3
 """Inverse of the rotation at which the whole slack of a rolling body resists. This rotation is a thousandth of the
 displacement of one contact under the mean weight."""

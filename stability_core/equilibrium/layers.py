@@ -37,8 +37,8 @@ ALL_HELD, CYCLE = -1, -2
 - CYCLE: the clusters without loads lie on each other in a cycle.
 """
 MOST_TOGETHER = 12
-"""Greatest number of bodies of a union of clusters, because loading more bodies at once costs as much as
-``loading``."""
+"""Greatest number of bodies of a cluster together with the clusters on it, because loading more bodies at once costs as
+much as ``loading``."""
 MOST_IN_CYCLE = 50
 """Greatest number of bodies in a cycle that the module loads together, which limits the cost. The bodies of a larger
 cycle count as loose."""

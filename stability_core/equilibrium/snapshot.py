@@ -43,13 +43,14 @@ class Equilibrium:
     - ``doubt``: the search proves neither, or the forces do not arise from zero load.
     """
     residual: float
-    """Largest imbalance of a body [N, N m over the body's size], relative to the largest force on it."""
+    """Largest imbalance of a body, relative to the largest force on the body. A moment counts over the body's size."""
     forces: FloatArray | None
     """Force [N] on ``body_b`` of each contact, shape (n, 3); the opposite force acts on ``body_a``. None if the verdict
     is ``unstable``, or if the search finds no forces."""
     mechanism: FloatArray | None
-    """Virtual velocity [m/s] and angular velocity [rad/s] of each body, shape (m, 6), in the order of the masses,
-    scaled so that the fastest body has 1 m/s. None unless the verdict is ``unstable``."""
+    """Virtual velocity [m/s] and angular velocity [rad/s] of each body, shape (m, 6), in the order of the masses.
+    With z up, the greatest component of the scaled motion is 1 m/s, where an angular velocity counts times the size of
+    its body. None unless the verdict is ``unstable``."""
     in_doubt: BoolArray
     """Mask of the bodies that loading from zero does not hold, or for which no proof exists, shape (m,); all False
     unless the verdict is ``doubt``."""
