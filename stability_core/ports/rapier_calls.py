@@ -85,10 +85,10 @@ def stretch(world: rapier3d.PhysicsWorld) -> None:
 def local_points(
     pairs_of_colliders: Iterable[tuple[int, int, rapier3d.ContactPair]],
 ) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Return all of Rapier's contact points of pairs, including points across a large gap.
+    """Return Rapier's contact points of pairs, including points across a large gap.
 
-    The function leaves out the points of a manifold without a direction: between pieces of compound shapes that touch in
-    one point, Parry (Rapier's collision library) may give a normal of length 0.
+    The function leaves out manifolds with a normal of length 0. Parry (Rapier's collision library) may give such a
+    normal for two pieces of compound shapes that touch in one point.
 
     Args:
         pairs_of_colliders: body a, body b, and Rapier's pair.
