@@ -9,6 +9,7 @@ import numpy as np
 import rapier3d
 
 from stability_core.port import FloatArray
+from stability_core.ports.rapier_calls import directed_manifolds
 from stability_core.ports.rapier_shapes import IDENTITY, Frame, frames_of
 
 _COLLIDER = 1 << 62
@@ -111,7 +112,7 @@ class RapierBodies:
             return None
         frames_a, frames_b = [], []
         for _, _, pair in listed:
-            for manifold in pair.manifolds:
+            for manifold in directed_manifolds(pair):
                 count = len(manifold.points)
                 frames_a += [self._frame_of(pair.collider1, manifold.subshape1)] * count
                 frames_b += [self._frame_of(pair.collider2, manifold.subshape2)] * count

@@ -82,13 +82,20 @@ def stretch(world: rapier3d.PhysicsWorld) -> None:
         each.translation = rapier3d.Vec3(x, y, z)
 
 
+def directed_manifolds(pair: rapier3d.ContactPair) -> list[rapier3d.ContactManifold]:
+    """Return the manifolds of a pair that have a direction.
+
+    Where pieces of compound shapes touch in one point, Parry (Rapier's collision library) may give a normal of length 0.
+    """
+    return [manifold for manifold in pair.manifolds if any(manifold.local_n1.to_tuple())]
+
+
 def local_points(
     pairs_of_colliders: Iterable[tuple[int, int, rapier3d.ContactPair]],
 ) -> tuple[IntArray, FloatArray, FloatArray]:
     """Return Rapier's contact points of pairs, including points across a large gap.
 
-    The function leaves out manifolds with a normal of length 0. Parry (Rapier's collision library) may give such a
-    normal for two pieces of compound shapes that touch in one point.
+    The function leaves out manifolds without a direction (see ``directed_manifolds``).
 
     Args:
         pairs_of_colliders: body a, body b, and Rapier's pair.
@@ -103,10 +110,8 @@ def local_points(
     """
     pairs, rows, impulses = [], [], []
     for body_a, body_b, pair in pairs_of_colliders:
-        for manifold in pair.manifolds:
+        for manifold in directed_manifolds(pair):
             normal = manifold.local_n1.to_tuple()
-            if not any(normal):
-                continue
             for point in manifold.points:
                 pairs.append((body_a, body_b))
                 rows.append(normal + point.local_p1.to_tuple() + point.local_p2.to_tuple())
