@@ -85,7 +85,7 @@ def stretch(world: rapier3d.PhysicsWorld) -> None:
 def directed_manifolds(pair: rapier3d.ContactPair) -> list[rapier3d.ContactManifold]:
     """Return the manifolds of a pair that have a direction.
 
-    Where pieces of compound shapes touch in one point, Parry (Rapier's collision library) may give a normal of length 0.
+    Where pieces of compound shapes touch in one point, the normal of Parry (Rapier's collision library) may be zero.
     """
     return [manifold for manifold in pair.manifolds if any(manifold.local_n1.to_tuple())]
 
