@@ -34,7 +34,7 @@ DRAGGED_ALONG = 3
 
 
 def unfreeze(world: World, row: int) -> None:
-    """Make a frozen body live; until the body moves, it still loads its supports."""
+    """Make a frozen body live. Until the body moves, the body still loads its supports."""
     body = world.graph.bodies[row]
     body["state"], body["unsettled"], body["leans"], body["doubt"] = LIVE, True, False, PROVEN
     body["rest_s"] = body["still_s"] = body["lean_s"] = body["steady_s"] = 0.0
@@ -78,7 +78,8 @@ class Batch:
     def wake_struck(self, struck: IntArray) -> None:
         """Unfreeze the ``struck`` bodies, shape (k,), and the bodies on them.
 
-        If a blow throws a body away, the frozen bodies within ``DRAGGED_ALONG`` contacts unfreeze too.
+        If the slide of a blow exceeds the size of the struck body, the frozen bodies within ``DRAGGED_ALONG`` contacts
+        of this body unfreeze too.
         """
         graph = self._world.graph
         rows = graph.bodies[struck]

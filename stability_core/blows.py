@@ -3,7 +3,8 @@
 A striker loses its momentum within one step, because a frozen body has infinite mass. Unfreezing the body afterwards is
 too late. Therefore a contact that will close within ``AHEAD`` frames counts before the bodies touch, so that the engine
 simulates the impact. The module judges a sideways blow by the slide that the blow would cause. A striker of mass M
-strikes a body of mass m at the horizontal speed v. With the coefficient of friction mu, a plastic impact gives
+strikes a body of mass m at the horizontal speed v. With the coefficient of friction mu and the gravitational
+acceleration g, a plastic impact gives
 
 v' = v M / (M + m),    slide = v'^2 / (2 mu g)
 
@@ -69,7 +70,7 @@ def _note_blow(bodies: Bodies, striker: int, target: int, blow: Blow, limits: Li
 
 @compiled
 def list_struck(bodies: Bodies, contacts: ContactArrays, limits: Limits, dt: float, struck: IntArray) -> int:
-    """List the frozen bodies that a blow must unfreeze, each once: O(n).
+    """List the frozen bodies that must unfreeze after a blow, each once: O(n).
 
     Args:
         bodies: the table, tracked for this frame.

@@ -18,7 +18,7 @@ KEPT: list[Any] = []
 
 
 def compiled(function: Kernel, **options: Any) -> Kernel:
-    """Compile ``function`` on its first call, with NumPy's rules for division: x / 0 is inf, not an exception.
+    """Compile ``function`` on its first call. As in NumPy, a division by zero gives inf or nan, not an exception.
 
     Args:
         function: a function that Numba can compile.

@@ -1,7 +1,8 @@
 """Compile all kernels before their first use, and log a long compilation.
 
 Numba compiles a kernel on its first call. Numba's cache is beside the sources, in the user's cache, or in
-``NUMBA_CACHE_DIR``. Only this module of the core reads a clock and files, and neither affects a verdict.
+``NUMBA_CACHE_DIR``. Only this module of the core reads a clock and files. Neither the clock nor a file affects a
+verdict.
 """
 
 from __future__ import annotations
@@ -57,7 +58,7 @@ def _play(extension_of: Callable[[ScriptedPort], ScriptedExtension]) -> None:
 
 
 def _is_kept(kernel: Any) -> bool:
-    """Return whether the cache on disk contains a kernel, in this version or an earlier version."""
+    """Return True if the cache on disk contains a kernel, in this version or an earlier version."""
     folder = Path(kernel.stats.cache_path or "")
     return any(folder.glob(f"*.{kernel.py_func.__qualname__}-*.nbi"))
 

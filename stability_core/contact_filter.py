@@ -2,7 +2,7 @@
 
 The paper also drops pairs in which neither body touches the stack. This filter keeps these pairs, because they show the
 bodies that lie on a live load. The tests examine only bodies that touch the stack. Therefore these pairs change no
-decision.
+result of the tests.
 """
 
 from __future__ import annotations

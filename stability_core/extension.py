@@ -191,7 +191,7 @@ class StabilityExtension:
         self._world.graph.bodies["held"][self._world.rows_of(bodies)] = False
 
     def why(self, body: int) -> str:
-        """Explain why a body is live, such as "0.31 mm deep in its support", or why the core froze it.
+        """Explain why a body is live (such as "0.31 mm deep in its support"), or why the core froze the body.
 
         Raises:
             KeyError: for a body that no update has seen.
@@ -202,9 +202,10 @@ class StabilityExtension:
     def update(self, dt: float) -> Change:
         """Read the world after a step of ``dt`` seconds; freeze and unfreeze bodies.
 
-        The cost depends on the live bodies and the changes, not on the number of frozen bodies. While no body is live,
-        the cost is negligible. If the call raises, nothing changes, with one exception: a port whose ``sleep`` or
-        ``wake`` raises may have carried out a part of the batch. The next update repeats this batch.
+        The cost depends on the live bodies and the changes, not on the number of frozen bodies. While the port lists no
+        body and no contact, the core only reads the port. If the input is malformed, no body freezes or unfreezes. If
+        the port's ``sleep`` or ``wake`` raises, the port may have carried out a part of the batch, and the next update
+        tries again.
 
         Raises:
             ValueError: if dt is not positive, or the port returns malformed contacts or masses.

@@ -1,6 +1,6 @@
 """The per-frame kernel: validate input, track live bodies, filter contacts, collect candidates.
 
-A frame without changes costs only this compiled call.
+Without changes, the work of the core on a frame ends with this compiled call.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ def _first_flipped(bodies: Bodies, contacts: ContactArrays, masses: MassArrays) 
 def _first_fault(
     bodies: Bodies, slots: IntArray, named: ContactArrays, contacts: ContactArrays, masses: MassArrays
 ) -> tuple[int, int]:
-    """Return the first fault that the core can find only after it has given rows to the listed bodies, and its row.
+    """Return the first fault, and its row, of those that the core can find only after it gave rows to the bodies.
 
     Args:
         bodies: the table.

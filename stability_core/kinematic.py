@@ -3,12 +3,14 @@
 Examples are lifts, doors and conveyor belts. A kinematic body is FIXED or MOVING:
 
 - FIXED: the body keeps its place and counts as ground. Bodies may freeze on it, and statics treats it as immovable.
-- MOVING: nothing may freeze on the body. Bodies that rested on it unfreeze in the frame in which it begins to move.
+- MOVING: nothing may freeze on the body. The bodies on a FIXED body unfreeze in the frame in which the FIXED body
+  begins to move.
 
-A kinematic body begins to move when its centre, or its surface below a frozen body, has moved by ``steady_shift`` sizes
-of the smallest body in contact with it so far. The body is FIXED again once it has kept its place for ``still_s``. In
-each frame the path of its surface grows by the greatest relative speed at its contacts with frozen bodies, times the
-length of the frame. The path of the surface reveals conveyor belts and turns about the centre.
+A kinematic body begins to move when its centre, or its surface below a frozen body, has moved by ``steady_shift``
+sizes. The unit is the size of the smallest body that has touched the kinematic body so far. The body is FIXED again
+once it has kept its place for ``still_s``. In each frame the path of the surface grows by the length of the frame times
+a speed. This speed is the greatest relative speed at the body's contacts with frozen bodies. The path of the surface
+reveals conveyor belts and turns about the centre.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The leaning test (Thomsen and Kraus 2015, Eqs 3 and 5-7): a body stands on one contact and leans on a second contact.
 
-The paper's rule has a known weakness: it assumes that friction at the upper contact holds as much weight as possible.
-Therefore the rule accepts inverted Vs between 50 and 65 deg that must slip.
+The paper's rule has a known weakness: the rule assumes that friction at the upper contact holds as much weight as
+possible. Therefore the rule accepts inverted Vs between 50 and 65 deg that must slip.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 
 The manifold of a single frame is often degenerate. For example, a brick on two bricks has 4 + 4 points in one frame. In
 the next frame, tilted by micrometres, the brick has 1 or 2 points. The hull of the points of several frames is the true
-contact area. A pair that touches in several faces (two walls of one ground, a bracket) has a patch for each face,
-because the module groups points by their normals.
+contact area. The module groups the points of a pair by their normals. Therefore a pair that touches in several faces
+(two walls of one ground, a bracket) has a patch for each face.
 """
 
 from __future__ import annotations
@@ -126,7 +126,7 @@ def _lay_patch(graph: Graph, contacts: ContactRows, rows: IntArray, body: int, o
 
 @compiled
 def _kind_for(contact: ContactRows, body: int) -> int:
-    """Return SUPPORT if ``body`` stands on its partner, LEAN if it leans, _LOAD if the partner stands on it."""
+    """Return SUPPORT if ``body`` stands on its partner, LEAN if ``body`` leans, _LOAD for a partner on ``body``."""
     if not contact.level:
         return LEAN
     return SUPPORT if upper_of(contact.body_a, contact.body_b, contact.normal[2]) == body else _LOAD

@@ -122,7 +122,7 @@ def time_at_rest(bodies: Bodies, ids: IntArray, limits: Limits, dt: float) -> No
     """Measure the time for which each live body has been at rest, by each of three rules, and has kept its place.
 
     The rules are: strictly at rest, at rest by the rule for leaning, and slow enough to lie on a support. A body
-    without any contact so far has size zero, so that no speed counts as slow.
+    without any contact so far has size zero, so that no speed above zero counts as slow.
     """
     for i in range(len(ids)):
         body = bodies[ids[i]]
@@ -173,7 +173,7 @@ def _patience(body: Bodies, limits: Limits) -> float:
     """Return the additional rest time [s] of a body.
 
     The time is ``calm_s`` after two unfreezings, and doubles at each further unfreezing, up to ``longest_calm_s``. The
-    time grows because a body that unfreezes repeatedly in its place lies in a pile that still moves.
+    time grows because a body that unfreezes repeatedly in its place usually lies in a pile that still moves.
     """
     if body.wakes < 2:
         return 0.0

@@ -166,8 +166,8 @@ def lies_on(hull: FloatArray, x: float, y: float) -> bool:
 def inside_distance(hull: FloatArray, x: float, y: float) -> float:
     """Return the distance [m] from (x, y) to the border of the hull; positive inside, negative outside.
 
-    The vertical ray test uses this distance: a vertical ray from the centre of mass hits the contact area if and only
-    if the distance is >= 0. Without points the distance is minus infinity. A point or a line has no inside.
+    A vertical ray from the centre of mass hits the contact area if and only if this distance is >= 0. Without points
+    the distance is minus infinity. A point or a line has no inside.
     """
     n = len(hull)
     if n == 0:

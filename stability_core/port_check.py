@@ -44,8 +44,8 @@ class PortError(ValueError):
 def check_port(port: StabilityPort, step: Step, frames: int = 120) -> list[str]:
     """Check a port on your own simulation: array shapes, signs of normals and separations, and exact freezing.
 
-    The check steps the simulation. A body must come to rest on the ground, or on anything else that never moves. The
-    check freezes this body for ``ASLEEP`` frames, and unfreezes the body again.
+    The check steps the simulation. A body must come to rest on the ground, for example on a table with the id
+    ``GROUND``. The check freezes this body for ``ASLEEP`` frames, and unfreezes the body again.
 
     Args:
         port: the port, without an extension.

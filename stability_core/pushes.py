@@ -6,7 +6,8 @@ force that only the engine knows. If the engine reports contact forces, two kind
 - forces at contacts that are not load-bearing;
 - all forces of bodies that the user holds or the host moves.
 
-The module averages the force over ``load_s``, so that a short bump does not count.
+The forces of a live body faster than ``load_speed`` do not count. The module averages the force over ``load_s``, so
+that a short bump does not count.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Rows of the tables by body id: memory grows with the number of bodies in the world, not with the greatest id.
 
 A hash table with linear probing, at most half full, holds the ids (Knuth, The Art of Computer Programming 3, 6.4). When
-a body leaves the world, later entries of the hash table move up to close the gap (Algorithm R), and a new body may get
-the row. Bodies get rows in order of appearance, by rising id within a frame. While no body leaves, bodies 0, 1, 2 ...
-have rows 0, 1, 2 ...
+a body leaves the world, later entries of the hash table move up to close the gap (Algorithm R). A new body may get the
+row of the body that left. Bodies get rows in order of appearance, by rising id within a frame. While no body leaves,
+bodies 0, 1, 2 ... have rows 0, 1, 2 ...
 """
 
 from __future__ import annotations

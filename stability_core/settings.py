@@ -1,9 +1,9 @@
 """All tolerances of the core, each with unit, default and reason: one set for all engines and all sizes.
 
 The unit of lengths is a body's size. The core infers the size from the body's contacts (``contact_filter.note_sizes``).
-The unit of speeds is sqrt(gravity times size). With these units the core judges a stack of any scale in the same way: a
-stack a hundred times larger falls ten times more slowly. Times are in seconds, at any frame rate. For the paper's plank
-of 117 mm, each default equals the length or the speed in the default's reason.
+The unit of speeds is sqrt(gravity times size). With these units the core judges a stack of any scale in the same way.
+For example, a stack a hundred times larger falls ten times more slowly. Times are in seconds, at any frame rate. For
+the paper's plank of 117 mm, each default equals the length or the speed in the default's reason.
 """
 
 from __future__ import annotations
@@ -202,8 +202,8 @@ class Settings:
             )
         if self.rest_s == 0:
             raise ValueError(
-                "setting rest_s must be above 0 s, got 0: rest_s is also the interval at which the core judges a "
-                "refused body again"
+                "setting rest_s must be above 0 s, got 0: pass a positive time, because the core judges a "
+                "refused body again every rest_s"
             )
 
     @property

@@ -68,8 +68,8 @@ def equivalent_mass(mass: float, center: FloatArray, pivot: FloatArray, contact:
 
         T = (C_stack - P_pivot) x G,    |F| = |T| / (|C_contact - P_pivot| sin(theta)),    m_equiv = |F| / g
 
-    All forces are vertical. Therefore |T| / |G| and |C_contact - P_pivot| sin(theta) are distances in plan. Both shares
-    need not sum to the mass, because each share has its own pivot.
+    All forces are vertical. Therefore |T| / |G| and |C_contact - P_pivot| sin(theta) are distances in plan. The shares
+    of the two supports need not sum to the mass, because each share has its own pivot.
 
     Args:
         mass: m_stack [kg] of the upper body.
@@ -92,8 +92,8 @@ def share_on(graph: Graph, at: int) -> tuple[float, float, float, float]:
     - Merge branch: the whole load on the support whose own contact area contains C_stack. If no area contains
       C_stack, the equivalent mass for two supports, or equal shares for more supports, each at the centre of the
       contact area.
-    - Leaning body: the whole load on the pivot, at the contact point nearest to C_stack. This case is ours, because the
-      paper does not describe how a leaning body passes its load down.
+    - Leaning body: the whole load on the pivot, at the contact point nearest to C_stack. The paper does not describe
+      how a leaning body passes its load down, so that this rule is not from the paper.
     """
     bodies, patches = graph.bodies, graph.patches
     patch = patches[at]

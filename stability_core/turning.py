@@ -1,9 +1,9 @@
 """Turn the core's memory when gravity changes its direction.
 
-A patch keeps its points and its normal. The module derives the patch's kind, upper body and hull in plan again, because
-they depend on the direction of gravity: a face that carried a body may become a side, and a side may become a support.
-The module drops patches of live bodies, because later steps rebuild these patches from the contacts of the dwell
-frames.
+A patch keeps its points and its normal. The module derives the kind, the upper body and the hull of each patch again,
+because they depend on the direction of gravity. For example, a face that carried a body may become a side, and a side
+may become a support. The module drops patches of live bodies, because later steps rebuild these patches from the
+contacts of the dwell frames.
 """
 
 from __future__ import annotations

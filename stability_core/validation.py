@@ -36,8 +36,12 @@ def fit_together(contacts: ContactArrays, masses: MassArrays) -> bool:
 def first_bad_contact(contacts: ContactArrays) -> int:
     """Return the first malformed row, or -1.
 
-    A row is malformed if an id is bad, the friction is negative or not finite, the point is not finite, or the normal
-    is not a unit vector.
+    A row is malformed in these cases:
+
+    - an id is bad;
+    - the friction is negative or not finite;
+    - the point is not finite;
+    - the normal is not a unit vector.
     """
     body_a, body_b = contacts.body_a, contacts.body_b
     point, normal, friction = contacts.point, contacts.normal, contacts.friction
@@ -70,7 +74,7 @@ def first_bad_mass(masses: MassArrays) -> int:
 def presses_down_from_below(center: FloatArray, point: FloatArray, normal: FloatArray, sign: float) -> bool:
     """Return True if a contact with the ground, below a body's centre, pushes the body down and away from the centre.
 
-    A contact of a convex body does so only if its normal points from b to a.
+    On a convex body, the normal of such a contact points from b to a, against the convention.
 
     Args:
         center: centre of mass of the body [m], shape (3,).
@@ -146,22 +150,23 @@ def check_shapes(contacts: Contacts, masses: Masses) -> None:
         raise ValueError(
             f"contacts.point, normal and relative_velocity must each have shape ({n}, 3), because contacts.body_a "
             f"has {n} rows; got {contacts.point.shape}, {contacts.normal.shape} and "
-            f"{contacts.relative_velocity.shape}"
+            f"{contacts.relative_velocity.shape}: give one row per contact point"
         )
     if not contacts.body_b.shape == contacts.separation.shape == contacts.friction.shape == (n,):
         raise ValueError(
             f"contacts.body_b, separation and friction must each have shape ({n},), because contacts.body_a has "
-            f"{n} rows; got {contacts.body_b.shape}, {contacts.separation.shape} and {contacts.friction.shape}"
+            f"{n} rows; got {contacts.body_b.shape}, {contacts.separation.shape} and "
+            f"{contacts.friction.shape}: give one value per contact point"
         )
     if contacts.force is not None and contacts.force.shape != (n, 3):
         raise ValueError(
             f"contacts.force must be None or have shape ({n}, 3), because contacts.body_a has {n} rows; got "
-            f"{contacts.force.shape}"
+            f"{contacts.force.shape}: give one force per contact point"
         )
     if masses.mass.shape != (m,) or masses.center_of_mass.shape != (m, 3):
         raise ValueError(
             f"masses.mass must have shape ({m},), and masses.center_of_mass ({m}, 3), because masses.body has {m} "
-            f"rows; got {masses.mass.shape} and {masses.center_of_mass.shape}"
+            f"rows; got {masses.mass.shape} and {masses.center_of_mass.shape}: give one row per body"
         )
 
 

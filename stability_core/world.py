@@ -65,7 +65,7 @@ class World:
         """Read one frame; return the worklist's length, and the numbers of kept contacts and listed frozen bodies.
 
         Raises:
-            ValueError: if the port's arrays are malformed; nothing changes.
+            ValueError: if the port's arrays are malformed; in this case no body changes.
         """
         check_ids("masses.body", masses.body)
         check_ids("contacts.body_a", contacts.body_a)
