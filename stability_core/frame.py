@@ -48,9 +48,9 @@ from stability_core.validation import (
 
 @compiled
 def _first_repeated(bodies: Bodies, ids: IntArray) -> int:
-    """Return the first index in ``ids`` of a repeated body, or -1; record the ``place`` of each body in ``ids``."""
+    """Record the ``place`` of each body in ``ids``, and return the index of the first repeated body, or -1."""
     for i in range(len(ids)):
-        place = bodies[ids[i]].place  # may be left over from another list
+        place = bodies[ids[i]].place  # perhaps left over from another list
         if place < i and ids[place] == ids[i]:
             return i
         bodies[ids[i]].place = i
@@ -65,7 +65,7 @@ def _is_listed(bodies: Bodies, ids: IntArray, body: int) -> bool:
 
 @compiled
 def _first_flipped(bodies: Bodies, contacts: ContactArrays, masses: MassArrays) -> int:
-    """Return the row of a contact with the ground if all contacts with the ground have flipped normals, else -1.
+    """Return a row with a flipped normal if the normals of all contacts with the ground are flipped, else -1.
 
     Kinematic bodies do not count, because they need not be convex and need not rest on anything.
     """
@@ -94,7 +94,9 @@ def _first_flipped(bodies: Bodies, contacts: ContactArrays, masses: MassArrays) 
 def _first_fault(
     bodies: Bodies, slots: IntArray, named: ContactArrays, contacts: ContactArrays, masses: MassArrays
 ) -> tuple[int, int]:
-    """Return the first fault, and its row, of those that the core can find only after it gave rows to the bodies.
+    """Return the first fault of the contacts and masses after the bodies have rows, and the row of the fault.
+
+    The result is (FINE, -1) without a fault.
 
     Args:
         bodies: the table.
@@ -117,7 +119,7 @@ def _first_fault(
 
 @compiled
 def _name_new(bodies: Bodies, ids: IntArray, rows: IntArray) -> None:
-    """Record the ids of the bodies that the port lists for the first time."""
+    """Write the ids of the bodies that the port lists for the first time to their rows."""
     for i in range(len(ids)):
         if bodies[rows[i]].state == ABSENT:
             bodies[rows[i]].id = ids[i]
