@@ -10,7 +10,7 @@ Item = TypeVar("Item")
 
 
 class UnknownNameError(LookupError):
-    """Error for an unknown name. The message lists the allowed names, with a similar name first, if any."""
+    """Error for an unknown name. The message suggests a similar name, if any, and lists the allowed names."""
 
 
 def unknown_name(kind: str, name: str, allowed: Iterable[str]) -> UnknownNameError:

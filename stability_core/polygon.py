@@ -1,6 +1,6 @@
 """Convex polygons in plan: hull, distance, width and centroid of contact points.
 
-Points have the shape (n, 3) [m]. Only x and y count, and the functions copy z.
+Points have the shape (n, 3) [m]. The functions compute with x and y, and carry z along.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def _ranked_in_plan(points: FloatArray) -> IntArray:
         rows = np.arange(len(points))
     ranked = np.empty(len(rows), np.int64)
     size = 0
-    for row in rows:  # insertion sort, because manifolds are short; sorted rows take O(n)
+    for row in rows:  # insertion sort, because manifolds are short, and sorted rows take O(n)
         x, y = points[row, 0], points[row, 1]
         place = size
         while place > 0 and (
@@ -80,7 +80,7 @@ def _ranked_in_plan(points: FloatArray) -> IntArray:
 
 @compiled
 def _hull_rows(points: FloatArray) -> IntArray:
-    """Return the rows of ``convex_hull``, shape (k,)."""
+    """Return the rows of the hull's vertices in ``points``, shape (k,), counter-clockwise."""
     ranked = _ranked_in_plan(points)
     n = len(ranked)
     if n < 3:
@@ -117,7 +117,7 @@ def convex_hull(points: FloatArray) -> FloatArray:
 
 @compiled
 def _foot(x: float, y: float, a: FloatArray, b: FloatArray) -> float:
-    """Return the parameter of the point of a segment a b nearest to (x, y): 0 at a, 1 at b."""
+    """Return the parameter, 0 at a and 1 at b, of the nearest point to (x, y) on the segment from a to b."""
     dx, dy = b[0] - a[0], b[1] - a[1]
     length2 = dx * dx + dy * dy
     if length2 > 0.0:
@@ -166,8 +166,8 @@ def lies_on(hull: FloatArray, x: float, y: float) -> bool:
 def inside_distance(hull: FloatArray, x: float, y: float) -> float:
     """Return the distance [m] from (x, y) to the border of the hull; positive inside, negative outside.
 
-    A vertical ray from the centre of mass hits the contact area if and only if this distance is >= 0. Without points
-    the distance is minus infinity. A point or a line has no inside.
+    If (x, y) is the centre of mass, a vertical ray from it hits the contact area if and only if this distance is >= 0.
+    Without points, the distance is minus infinity. A point or a line has no inside.
     """
     n = len(hull)
     if n == 0:
@@ -197,7 +197,10 @@ def width(hull: FloatArray) -> float:
 
 @compiled
 def centroid(hull: FloatArray) -> tuple[float, float, float]:
-    """Return the area centroid of the hull in plan, at the mean height of the vertices; for a line, the middle."""
+    """Return the area centroid of the hull in plan, at the mean height of the vertices.
+
+    For a point or a line, the result is the mean of the vertices.
+    """
     n = len(hull)
     x, y, z = 0.0, 0.0, 0.0
     for i in range(n):
