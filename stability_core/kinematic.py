@@ -47,9 +47,9 @@ def _keeps_place(row: Bodies, limits: Limits, dt: float) -> bool:
 
 @compiled
 def _begin(row: Bodies) -> bool:
-    """Make a body kinematic; return True if it is MOVING.
+    """Make a body kinematic, and return True if the body is MOVING.
 
-    A body that is new to the core is FIXED. A body that was live is MOVING, because its motion in this frame is unknown.
+    A new body is FIXED. A body that was live is MOVING, because its motion in this frame is unknown.
     """
     row.state = FIXED if row.state == ABSENT else MOVING
     row.mass = np.inf

@@ -31,7 +31,7 @@ from stability_core.stack import (
 from stability_core.upright import turned
 
 ENOUGH_VERTICES = 4
-"""Number of vertices from which ``_thinned`` drops no vertex, because a box stands on four vertices."""
+"""Number of vertices at which ``_thinned`` stops, because a box stands on four vertices."""
 NEGLIGIBLE = 1e-3
 """Share of a patch's area below which ``_thinned`` drops a vertex, because the points of several frames scatter,
 and each vertex costs time."""

@@ -199,7 +199,8 @@ def list_due(
     - for the refusal FALLS: 1, 2, 4, 8, ... times ``rest_s``, while the body's frozen neighbours stay the same;
     - for the refusal DOUBTED: until the body has kept its place and its neighbours for ``doubt_s``.
 
-    The last two waits are long, because solves are expensive.
+    The last two waits are long, because solves are expensive. After a change of the frozen neighbours, these waits are
+    ``rest_s`` too.
 
     Args:
         bodies: the table.

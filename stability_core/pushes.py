@@ -40,7 +40,7 @@ def is_push(bodies: Bodies, pusher: int, level: bool, limits: Limits) -> bool:
 
 @compiled
 def _begin(row: Bodies, limits: Limits, now: float, weight: float) -> None:
-    """Prepare the mean push for a frame with the share ``weight`` in the mean; drop a push older than ``load_s``."""
+    """Prepare the mean push for a frame with the ``weight`` in the mean, and drop a push older than ``load_s``."""
     if now - row.pushed_s > limits.load_s:
         row.push[:], row.push_judged[:], row.push_judged_s, row.push_began_s = 0.0, 0.0, now, now
     row.pushed_s = now
@@ -70,15 +70,15 @@ def _is_due(row: Bodies, limits: Limits, now: float) -> bool:
 
 @compiled
 def list_pushed(bodies: Bodies, contacts: ContactRows, limits: Limits, now: float, dt: float, pushed: IntArray) -> int:
-    """List the frozen bodies on which a push has changed, or lasts: O(n).
+    """List the frozen bodies on which a push has changed, or has lasted ``still_s``: O(n).
 
     Args:
         bodies: the table.
-        contacts: contacts of the latest frame that count, shape (n,).
+        contacts: kept contacts of the latest frame, shape (n,).
         limits: the settings.
         now: time since the first frame [s].
         dt: length of a frame [s].
-        pushed: output, at least 2 n rows.
+        pushed: output, with room for at least 2 n bodies.
 
     Returns:
         Number of listed bodies.
