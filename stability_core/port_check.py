@@ -24,17 +24,17 @@ from stability_core.validation import (
 )
 
 APART = 0.1
-"""Ratio of two distances to a body's size. Above this ratio, the separation from the ground contradicts rest, and the
-move in the first frame after ``wake`` contradicts an exact freeze."""
+"""Ratio to a body's size. Above this ratio, a separation from the ground contradicts rest, and a move in the first
+frame after ``wake`` contradicts an exact freeze."""
 STOPPED = 1e-3
 """Ratio of a body's motion in one frame to its size, up to which the body counts as at rest, because
 ``Settings.rest_speed`` allows about the same motion of the paper's plank at 60 Hz."""
 SAME = 1e-6
 """Ratio up to which a value of a frozen body counts as unchanged: change of position to size, or change of mass to
-former mass. The ratio allows for single precision."""
+former mass. The ratio exceeds 6e-8, because single precision rounds by this ratio."""
 ASLEEP = 10
-"""Number of frames for which the check freezes a body. In free fall, the body would move by 14 cm in
-this time at 60 Hz."""
+"""Number of frames for which the check freezes a body. In free fall at 60 Hz, the body would move by
+14 cm in this time."""
 
 Step: TypeAlias = Callable[[], object]
 

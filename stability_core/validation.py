@@ -1,4 +1,4 @@
-"""Validate the port's arrays: raise an error for bad input before any state changes."""
+"""Validate the port's arrays, and raise an error for bad input before the core changes its tables."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ def fit_together(contacts: ContactArrays, masses: MassArrays) -> bool:
 
 @compiled
 def first_bad_contact(contacts: ContactArrays) -> int:
-    """Return the first malformed row, or -1.
+    """Return the first malformed row of the contacts, or -1.
 
     A row is malformed in these cases:
 
-    - an id is bad;
+    - an id is below -1, or both ids are the same;
     - the friction is negative or not finite;
     - the point is not finite;
     - the normal is not a unit vector.
@@ -60,7 +60,7 @@ def first_bad_contact(contacts: ContactArrays) -> int:
 
 @compiled
 def first_bad_mass(masses: MassArrays) -> int:
-    """Return the first row with a bad id, a mass that is not positive, or a centre that is not finite; or -1."""
+    """Return the first row with a negative id, a mass that is not positive, or a centre that is not finite, else -1."""
     body, mass, center = masses.body, masses.mass, masses.center
     for i in range(len(body)):
         total = center[i, 0] + center[i, 1] + center[i, 2]
@@ -80,7 +80,7 @@ def presses_down_from_below(center: FloatArray, point: FloatArray, normal: Float
         center: centre of mass of the body [m], shape (3,).
         point: the contact [m], shape (3,).
         normal: unit normal from a to b, shape (3,).
-        sign: 1 if the body is b, -1 if it is a.
+        sign: 1 if the body is b, -1 if the body is a.
     """
     inward = 0.0
     for k in range(3):
@@ -92,7 +92,7 @@ def check_ids(name: str, ids: object) -> None:
     """Check that ids are integers, because 0.5 would count as 0.
 
     Raises:
-        ValueError: if an array does not contain integers; the message names the array and the fix.
+        ValueError: if an array does not contain integers. The message names the array and the fix.
     """
     dtype = getattr(ids, "dtype", None)
     if dtype is _IDS:
@@ -132,7 +132,7 @@ def check_shapes(contacts: Contacts, masses: Masses) -> None:
     """Check that the shapes and types of the arrays fit together.
 
     Raises:
-        ValueError: for a wrong shape or type; the message names the array and the required shape or type.
+        ValueError: for a wrong shape or type. The message names the array and the required shape or type.
     """
     arrays = {f"contacts.{item.name}": getattr(contacts, item.name) for item in fields(contacts)}
     if contacts.force is None:
@@ -171,11 +171,11 @@ def check_shapes(contacts: Contacts, masses: Masses) -> None:
 
 
 def fault_of(fault: int, row: int, contacts: Contacts, masses: Masses) -> ValueError:
-    """Return the error for a malformed row; the message states the row's content and the fix."""
+    """Return the error for a malformed row. The message states the row's content and the fix."""
     if fault == BAD_MASS:
         return ValueError(
             f"masses row {row}: body {masses.body[row]} needs an id of at least 0, a positive mass and a finite "
-            f"centre, got {masses.mass[row]} kg at {masses.center_of_mass[row]}"
+            f"centre, got {masses.mass[row]} kg at {masses.center_of_mass[row]}: correct this row of masses()"
         )
     if fault == LISTED_TWICE:
         return ValueError(
@@ -196,5 +196,5 @@ def fault_of(fault: int, row: int, contacts: Contacts, masses: Masses) -> ValueE
     return ValueError(
         f"{pair}: a contact needs two different ids (-1 for the ground, or at least 0), a finite point, a unit normal "
         f"and a friction of at least 0, got point {contacts.point[row]}, normal {contacts.normal[row]}, friction "
-        f"{contacts.friction[row]}"
+        f"{contacts.friction[row]}: correct this row of contacts()"
     )
