@@ -45,7 +45,7 @@ class Blow(NamedTuple):
 
 @compiled
 def _speed_after(striker: Bodies, target: Bodies, blow: Blow) -> float:
-    """Return the horizontal speed [m/s] of the target after a plastic impact; zero for a blow that is not sideways."""
+    """Return the horizontal speed [m/s] of the target after a plastic impact: zero unless the blow is sideways."""
     if abs(blow.upward) > SIDEWAYS:
         return 0.0
     share = 1.0 if striker.state == MOVING else striker.mass / (striker.mass + target.mass)

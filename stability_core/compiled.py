@@ -12,7 +12,7 @@ __all__ = ["KEPT", "NOT_KEPT", "WrongTypeError", "compiled"]
 
 Kernel = TypeVar("Kernel", bound=Callable[..., object])
 NOT_KEPT: list[str] = []
-"""Reasons, one per kernel, why Numba cannot cache the kernel for later processes; empty with a writable cache."""
+"""Reasons, one per kernel, why Numba cannot cache the kernel on disk. The list is empty if the cache is writable."""
 KEPT: list[Any] = []
 """Kernels that Numba caches on disk."""
 

@@ -32,11 +32,12 @@ CONTACT = np.dtype(
 ContactRows: TypeAlias = Any
 """Structured array of ``CONTACT``."""
 BEARS = 0.1
-"""Vertical component of a unit normal above which a contact bears some weight, even on a face that is too steep for
-friction, because a brick can rest in a wedge of two steep faces."""
+"""Vertical component of a unit normal above which the lower body of a contact counts as a support.
+
+The value is low, because a brick can rest in a wedge of two faces that are too steep for friction."""
 _NEAR = 0.1
 """Ratio of a contact point's gap to the point's distance from the body's centre, up to which the point counts as lying
-on the body's surface, because engines also list points before the bodies touch."""
+on the body's surface. A wider gap does not show the body's size, because engines also list points before touch."""
 
 
 @compiled
@@ -110,8 +111,8 @@ def speeds_of(velocity: FloatArray, normal: FloatArray) -> tuple[float, float]:
 def _deepest_of_pair(body_a: IntArray, body_b: IntArray, separation: FloatArray, first: int) -> tuple[float, int]:
     """Return the separation [m] of a pair's deepest point, at most zero, and the row after the pair's last point.
 
-    The function reads from the ``first`` row of the pair to the first row of another pair, because ports list the
-    points of a pair in sequence.
+    The function reads from the ``first`` row of the pair to the next row of another pair. Ports list the points of a
+    pair in sequence.
     """
     deepest, i = 0.0, first
     while i < len(separation) and body_a[i] == body_a[first] and body_b[i] == body_b[first]:
@@ -144,7 +145,7 @@ def note_sizes(bodies: Bodies, contacts: ContactArrays) -> None:
 
 @compiled
 def size_of_pair(bodies: Bodies, body_a: int, body_b: int) -> float:
-    """Return the size [m] of the smaller body of a pair; for a contact with the ground, the size of the other body."""
+    """Return the size [m] of the smaller body of a pair. The ground has no size."""
     if body_a == GROUND:
         return float(bodies[body_b].size)
     if body_b == GROUND:

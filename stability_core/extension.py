@@ -36,9 +36,9 @@ def warm_up(policy: str = "equilibrium") -> float:
     """Compile all kernels of ``policy``, or read them from Numba's cache, and return the time [s].
 
     ``StabilityExtension`` calls this function once per process and policy, so that Numba compiles nothing while a
-    simulation runs. You may call the function earlier, for example while you build a container, because compiling takes
-    one to two minutes, once per version of the core. The function reports long compilations, and a cache that is not
-    writable, to the logger ``stability_core``.
+    simulation runs. You may call the function earlier, for example while you build a container. Compiling takes one to
+    two minutes, once per version of the core. The function reports long compilations, and a cache that is not writable,
+    to the logger ``stability_core``.
 
     Raises:
         UnknownNameError: if ``policy`` is no name of ``POLICIES``.
@@ -205,7 +205,7 @@ class StabilityExtension:
         """Read the world after a step of ``dt`` seconds, and freeze and unfreeze bodies.
 
         The cost depends on the live bodies and the changes, not on the number of frozen bodies. While the port lists no
-        body and no contact, and the host changes nothing, the core only reads the port. If the input is malformed, no
+        body and no contact, and the host makes no change, the core only reads the port. If the input is malformed, no
         body freezes or unfreezes. If the port's ``sleep`` or ``wake`` raises, the port may have carried out a part of
         the batch, and the next update tries again.
 

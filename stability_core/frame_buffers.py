@@ -1,7 +1,7 @@
 """The recent history of contacts, and the worklist of the latest frame.
 
-The buffers keep the contacts of a few frames, the dwell frames, because the points of one frame often do not show the
-true contact area. The arrays persist from frame to frame. ADR-0002 gives the reason.
+The buffers keep the contacts of some frames, because a single frame often does not show the true contact area. The
+kept frames are the "dwell frames". The arrays persist from frame to frame. ADR-0002 gives the reason.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from stability_core.settings import ROUNDING_S
 from stability_core.stack import ABSENT, Bodies
 
 FRAME_S = 1 / 60
-"""Least length [s] of a dwell frame. At 1 kHz the buffers keep only every 17th frame of the host, so that six dwell
-frames span the true contact area as at 60 Hz, at the same cost."""
+"""Least length [s] of a dwell frame. At 1 kHz the buffers keep every 17th frame of the host. Therefore six dwell frames
+span the true contact area as at 60 Hz, at the same cost."""
 
 STRUCK, AT_REST, LEANING, LYING, GONE, MOVED, PUSHED = range(7)
 """Rows of ``FrameBuffers.worklist``:

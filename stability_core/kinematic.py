@@ -6,11 +6,11 @@ Examples are lifts, doors and conveyor belts. A kinematic body is FIXED or MOVIN
 - MOVING: no body may freeze on it. The bodies on a FIXED body unfreeze in the frame in which the FIXED body
   begins to move.
 
-A kinematic body begins to move when its centre, or its surface below a frozen body, has moved by ``steady_shift``
-sizes of the smallest body that has touched the kinematic body so far. The kinematic body is FIXED again once it has
-kept its place for ``still_s``. In each frame the path of the surface grows by the length of the frame times
-a speed. This speed is the greatest relative speed at the body's contacts with frozen bodies. The path of the surface
-reveals conveyor belts and turns about the centre.
+A kinematic body begins to move when its centre, or its surface below a frozen body, has moved by ``steady_shift`` times
+a size. This size belongs to the smallest body that has touched the kinematic body so far. The kinematic body is FIXED
+again once it has kept its place for ``still_s``. In each frame the path of the surface grows by the length of the frame
+times a speed. This speed is the greatest relative speed at the body's contacts with frozen bodies. The path of the
+surface reveals conveyor belts and turns about the centre.
 """
 
 from __future__ import annotations

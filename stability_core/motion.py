@@ -239,8 +239,8 @@ def list_shifted_loads(
 ) -> tuple[int, int]:
     """List the live bodies with outdated patches, and return the lengths of both lists.
 
-    The function lists a load once more after the load has kept its place for ``doubt_s``, because from then on a joint
-    solve of the load with the stack can decide.
+    After a load has kept its place for ``doubt_s``, the function lists the load once more. From then on, a joint solve
+    of the load with the stack can decide.
 
     Args:
         bodies: the table.

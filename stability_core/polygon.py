@@ -17,7 +17,7 @@ the sorting alone is faster."""
 
 @compiled
 def _turn(points: FloatArray, a: int, b: int, c: int) -> float:
-    """Return twice the signed area of the plan triangle of rows a, b, c; positive for a left turn."""
+    """Return twice the signed area of the plan triangle of rows a, b, c. A left turn has a positive area."""
     ax, ay = points[a, 0], points[a, 1]
     return float((points[b, 0] - ax) * (points[c, 1] - ay) - (points[b, 1] - ay) * (points[c, 0] - ax))
 
@@ -52,7 +52,7 @@ def _outer_rows(points: FloatArray) -> IntArray:
 def _ranked_in_plan(points: FloatArray) -> IntArray:
     """Return the rows of the points, sorted by x, then by y, without equal points.
 
-    For more than ``MANY`` points, the result contains only points that may be corners of the hull.
+    For more than ``MANY`` points, the result leaves out inner points, which cannot be corners of the hull.
     """
     if len(points) > MANY:
         rows = _outer_rows(points)
@@ -146,7 +146,7 @@ def nearest_point(hull: FloatArray, x: float, y: float) -> tuple[float, float]:
 
 @compiled
 def is_inside(hull: FloatArray, x: float, y: float) -> bool:
-    """Return True if (x, y) lies in the hull (n, 3) or on its border; False for a point or a line."""
+    """Return True if (x, y) lies in the hull (n, 3) or on its border, and False for a point or a line."""
     n = len(hull)
     for i in range(n):
         ax, ay = hull[i, 0], hull[i, 1]
@@ -158,16 +158,16 @@ def is_inside(hull: FloatArray, x: float, y: float) -> bool:
 
 @compiled
 def lies_on(hull: FloatArray, x: float, y: float) -> bool:
-    """Return True if (x, y) lies in the hull (n, 3) or on its border; a point or a line counts as border."""
+    """Return True if (x, y) lies in the hull (n, 3) or on its border. A point or a line counts as border."""
     return is_inside(hull, x, y) if len(hull) > 2 else bool(inside_distance(hull, x, y) == 0.0)
 
 
 @compiled
 def inside_distance(hull: FloatArray, x: float, y: float) -> float:
-    """Return the distance [m] from (x, y) to the border of the hull; positive inside, negative outside.
+    """Return the distance [m] from (x, y) to the border of the hull: positive inside, negative outside.
 
-    If (x, y) is the centre of mass, a vertical ray from it hits the contact area if and only if this distance is >= 0.
-    Without points, the distance is minus infinity. A point or a line has no inside.
+    The distance is >= 0 if and only if a vertical ray through (x, y) hits the hull. Without points, the distance is
+    minus infinity. A point or a line has no inside.
     """
     n = len(hull)
     if n == 0:
@@ -180,7 +180,7 @@ def inside_distance(hull: FloatArray, x: float, y: float) -> float:
 
 @compiled
 def width(hull: FloatArray) -> float:
-    """Return the least width [m] of the hull in plan; zero for a point or a line."""
+    """Return the least width [m] of the hull in plan, or zero for a point or a line."""
     n = len(hull)
     if n < 3:
         return 0.0

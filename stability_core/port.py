@@ -37,9 +37,9 @@ class Contacts:
     """
 
     body_a: IntArray
-    """First body of the pair, shape (n,); ``GROUND`` or a body id."""
+    """First body of the pair, a body id or ``GROUND``, shape (n,)."""
     body_b: IntArray
-    """Second body of the pair, shape (n,)."""
+    """Second body of the pair, a body id or ``GROUND``, shape (n,)."""
     point: FloatArray
     """Contact points [m] in the coordinates of the engine, shape (n, 3)."""
     normal: FloatArray
@@ -78,8 +78,8 @@ class Masses:
     has moved, the core makes the body live. If the mass of a listed frozen body has changed, the core judges the stack
     with the new mass.
 
-    A body that the host moves has infinite mass. List this body in every frame, even while nothing else is live, so
-    that the core sees its motion. While the body keeps its place, it counts as ground. When the body begins to move,
+    A body that the host moves has infinite mass. List this body in every frame, even while all other bodies are frozen,
+    so that the core sees its motion. While the body keeps its place, it counts as ground. When the body begins to move,
     all bodies on it unfreeze. A body that moves in its place, such as a belt or a turntable, must show this motion at
     its contacts with frozen bodies (``Contacts.relative_velocity``). If the engine does not list these contacts, pass
     the body to ``StabilityExtension.wake``.
@@ -88,7 +88,7 @@ class Masses:
     body: IntArray
     """Body ids, shape (m,)."""
     mass: FloatArray
-    """Masses [kg], shape (m,), positive; infinite for bodies that the host moves."""
+    """Masses [kg], positive, shape (m,). A body that the host moves has infinite mass."""
     center_of_mass: FloatArray
     """Centres of mass [m], shape (m, 3)."""
     removed: Sequence[int] = ()

@@ -27,8 +27,8 @@ APART = 0.1
 """Ratio to a body's size. Above this ratio, a separation from the ground contradicts rest, and a move in the first
 frame after ``wake`` contradicts an exact freeze."""
 STOPPED = 1e-3
-"""Ratio of a body's motion in one frame to its size, up to which the body counts as at rest, because
-``Settings.rest_speed`` allows about the same motion of the paper's plank at 60 Hz."""
+"""Ratio of a body's motion in one frame to its size, up to which the body counts as at rest. ``Settings.rest_speed``
+allows about the same motion of the paper's plank at 60 Hz."""
 SAME = 1e-6
 """Ratio up to which a value of a frozen body counts as unchanged: change of position to size, or change of mass to
 former mass. The ratio exceeds 6e-8, because single precision rounds by this ratio."""
@@ -216,7 +216,7 @@ def _check_sleep(port: StabilityPort, step: Step, body: int, size: float) -> lis
 
 
 def _row_of(masses: Masses, body: int) -> tuple[float, FloatArray] | None:
-    """Return mass [kg] and centre of mass [m], (3,), of a listed body; None for a body that is not in the list."""
+    """Return mass [kg] and centre of mass [m], (3,), of a listed body, or None if ``masses`` lacks the body."""
     rows = np.flatnonzero(masses.body == body)
     return (
         None if len(rows) == 0 else (float(masses.mass[rows[0]]), np.array(masses.center_of_mass[rows[0]], np.float64))

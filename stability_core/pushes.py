@@ -21,8 +21,8 @@ from stability_core.settings import ROUNDING_S, Limits
 from stability_core.stack import FROZEN, LIVE, MOVING, Bodies
 
 CHANGE = 0.2
-"""Ratio of the change of a push to the sum of the body's weight and the push, above which the core judges the body's
-balance again."""
+"""Ratio of the change of a push to the sum of the body's weight and the push. Above this ratio, the core judges the
+body's balance again, because smaller changes may be noise of the engine's forces."""
 
 
 @compiled

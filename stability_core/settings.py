@@ -211,7 +211,11 @@ class Settings:
         return max(self.rest_s, self.lean_s, self.load_s)
 
     def limits(self, gravity: float) -> Limits:
-        """Return the settings as a structured array of shape (1,), for the kernels; ``gravity`` [m/s2] is positive."""
+        """Return the settings as a structured array of shape (1,), for the kernels.
+
+        Args:
+            gravity: gravitational acceleration [m/s2], positive.
+        """
         return np.array([(*astuple(self), gravity)], _LIMITS)
 
 

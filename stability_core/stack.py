@@ -15,7 +15,7 @@ from stability_core.compiled import compiled
 from stability_core.port import GROUND, FloatArray, IntArray
 
 ABSENT, LIVE, FROZEN, FIXED, MOVING = range(5)
-"""A body's ``state``; FIXED and MOVING are for kinematic bodies."""
+"""A body's ``state``. FIXED and MOVING are for kinematic bodies."""
 SUPPORT, LEAN = 0, 1
 PROVEN, IN_DOUBT, NOTED = 0, 1, 2
 """A body's ``doubt``. NOTED is for a body in doubt after the core has recorded its surroundings, to detect changes."""
@@ -311,8 +311,8 @@ def _is_in_doubt(bodies: Bodies, body: int) -> bool:
 def with_all_above(graph: Graph, roots: IntArray) -> IntArray:
     """Return ``roots`` and each frozen body that rests on them, directly or through other frozen bodies, shape (k,).
 
-    The result also includes each body in doubt that bears a body of the result, because nothing proves that a body in
-    doubt stands without its neighbours.
+    The result also includes each body in doubt that bears a body of the result, because a body in doubt may need its
+    neighbours to stand.
     """
     reached = np.zeros(len(graph.bodies), np.bool_)
     found = np.empty(len(graph.bodies), np.int64)

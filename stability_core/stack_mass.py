@@ -36,7 +36,7 @@ def support_polygon(graph: Graph, body: int) -> FloatArray:
 
 @compiled
 def pivot_of(graph: Graph, body: int) -> int:
-    """Return the row of a leaning body's lowest patch, on which the body pivots; NONE without patches."""
+    """Return the row of a leaning body's lowest patch, on which the body pivots, or NONE without patches."""
     patches = graph.patches
     lowest, height = NONE, np.inf
     at = graph.bodies[body].first_support

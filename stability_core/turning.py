@@ -41,7 +41,7 @@ def _turn_vector(vector: FloatArray, turn: FloatArray) -> None:
 
 @compiled
 def _turn_bodies(bodies: Bodies, turn: FloatArray) -> None:
-    """Turn all positions; reset the policy's refusals, and the times for which bodies have kept their places."""
+    """Turn all positions, and reset the policy's refusals and the times ``steady_s``."""
     for i in range(len(bodies)):
         row = bodies[i]
         if row.state == ABSENT:
@@ -67,7 +67,7 @@ def _turn_contacts(bodies: Bodies, buffers: FrameBuffers, turn: FloatArray, leve
 
 @compiled
 def _patches_of_frozen(graph: Graph) -> IntArray:
-    """Drop the patches of live bodies; return the rows of all other patches, shape (k,)."""
+    """Drop the patches of live bodies, and return the rows of all other patches, shape (k,)."""
     bodies, patches = graph.bodies, graph.patches
     rows = np.empty(len(patches), np.int64)
     n = 0

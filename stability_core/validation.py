@@ -74,7 +74,7 @@ def first_bad_mass(masses: MassArrays) -> int:
 def presses_down_from_below(center: FloatArray, point: FloatArray, normal: FloatArray, sign: float) -> bool:
     """Return True if a contact with the ground, below a body's centre, pushes the body down and away from the centre.
 
-    On a convex body, the normal of such a contact points from b to a, against the convention.
+    On a convex body, such a normal points from b to a, against the convention.
 
     Args:
         center: centre of mass of the body [m], shape (3,).
