@@ -23,7 +23,7 @@ CONTACT = np.dtype(
         ("point", "f8", (3,)),
         ("normal", "f8", (3,)),
         ("friction", "f8"),
-        ("force", "f8", (3,)),  # [N], zero if the engine reports none
+        ("force", "f8", (3,)),  # [N], zero if the engine reports no forces
         ("level", "?"),  # True if load-bearing: its cone contains the vertical, and it pushes up a movable body
     ],
     align=True,
@@ -36,8 +36,8 @@ BEARS = 0.1
 
 The value is low, because a brick can rest in a wedge of two faces that are too steep for friction."""
 _NEAR = 0.1
-"""Ratio of a contact point's gap to the point's distance from the body's centre, up to which the point counts as lying
-on the body's surface. A wider gap does not show the body's size, because engines also list points before touch."""
+"""Ratio of a contact point's gap to the point's distance from the body's centre, up to which the point counts as on the
+body's surface. A wider gap does not show the body's size, because engines also list points before touch."""
 
 
 @compiled
@@ -112,7 +112,7 @@ def _deepest_of_pair(body_a: IntArray, body_b: IntArray, separation: FloatArray,
     """Return the separation [m] of a pair's deepest point, at most zero, and the row after the pair's last point.
 
     The function reads from the ``first`` row of the pair to the next row of another pair. Ports list the points of a
-    pair in sequence.
+    pair together.
     """
     deepest, i = 0.0, first
     while i < len(separation) and body_a[i] == body_a[first] and body_b[i] == body_b[first]:
@@ -145,7 +145,7 @@ def note_sizes(bodies: Bodies, contacts: ContactArrays) -> None:
 
 @compiled
 def size_of_pair(bodies: Bodies, body_a: int, body_b: int) -> float:
-    """Return the size [m] of the smaller body of a pair. The ground has no size."""
+    """Return the size [m] of the smaller body of a pair, or of the body that touches the ground."""
     if body_a == GROUND:
         return float(bodies[body_b].size)
     if body_b == GROUND:

@@ -11,7 +11,7 @@ from stability_core.stack import DOUBTED, FALLS, FIXED, FROZEN, MOVING, TOPPLES
 
 
 def explain(row: Any, settings: Settings, gravity: float, dt: float, reason: str) -> str:
-    """Explain why a body is frozen, fixed or moving, or name the first rule that keeps a live body live.
+    """Explain why a body is frozen or counts as moved by the host, or name the first rule that keeps a live body live.
 
     Args:
         row: a row of ``BODY``, after an update.
@@ -36,8 +36,8 @@ def explain(row: Any, settings: Settings, gravity: float, dt: float, reason: str
         )
     if row["unsettled"]:
         return (
-            f"unfrozen ({reason}) and perhaps at the start of a collapse: judged again after the body has moved, or "
-            f"has been calm for {settings.calm_s:g} s (so far {row['lean_s']:.2f} s)"
+            f"unfrozen ({reason}) and perhaps at the start of a collapse: the core judges the body again after it has "
+            f"moved, or has been calm for {settings.calm_s:g} s (so far {row['lean_s']:.2f} s)"
         )
     return _why_not_at_rest(row, settings, gravity, dt) or _why_refused(row, settings)
 

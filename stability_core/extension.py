@@ -260,7 +260,7 @@ class StabilityExtension:
             raise RuntimeError(CLOSED)
 
     def _is_in_place(self, rows: Bodies) -> BoolArray:
-        """Return the mask (k,) of the live bodies without a holding user, without sliding and without known motion."""
+        """Return a mask (k,): True for a live body that no user holds, without sliding and without known motion."""
         fall_speed = np.sqrt(self._world.limits["gravity"] * rows["size"])
         moves = np.isfinite(rows["speed"]) & (rows["speed"] > self.settings.rest_speed * fall_speed)
         slides = rows["slip"] > self.settings.rest_slip * fall_speed
@@ -339,7 +339,8 @@ class StabilityExtension:
     def _settle(self, contacts: int, budget: float) -> Change:
         """Let the policy freeze stable bodies, and unfreeze unbalanced bodies and the bodies on them.
 
-        The policy judges at most ``budget`` bodies. The number of kept ``contacts`` bounds the number of new patches.
+        The ``budget`` [bodies] limits the work of the policy: see ``Policy``. The number of kept ``contacts`` bounds
+        the number of new patches.
         """
         batch, worklist = Batch(self._world), self._world.buffers.worklist
         if self._news:

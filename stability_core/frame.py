@@ -119,7 +119,7 @@ def _first_fault(
 
 @compiled
 def _name_new(bodies: Bodies, ids: IntArray, rows: IntArray) -> None:
-    """Write the ids of the bodies that the port lists for the first time to their rows."""
+    """Write the ids of new bodies, which the port lists for the first time, to the table."""
     for i in range(len(ids)):
         if bodies[rows[i]].state == ABSENT:
             bodies[rows[i]].id = ids[i]
@@ -194,7 +194,8 @@ def observe(
         Four numbers:
 
         - the fault, or FINE without a fault;
-        - the row of the fault; for NO_ROOM the number of missing rows; for FINE the number of listed frozen bodies;
+        - the row of the fault, or for NO_ROOM the number of missing rows, or for FINE the number of listed frozen
+        bodies;
         - the number of bodies in ``worklist``;
         - the number of kept contacts of all dwell frames.
     """

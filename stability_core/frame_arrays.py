@@ -51,7 +51,7 @@ class MassArrays(NamedTuple):
 def laid_out(array: Any, dtype: np.dtype[Any]) -> Any:
     """Return an array in the kernels' layout, and copy the array only if necessary."""
     if type(array) is np.ndarray and array.dtype is dtype and array.flags.carray:
-        return array  # the usual case, because this check takes less time than a conversion
+        return array  # the usual case, in which this check takes less time than a conversion
     contiguous = np.ascontiguousarray(array, dtype)
     return contiguous if contiguous.flags.writeable else contiguous.copy()
 

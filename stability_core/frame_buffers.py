@@ -24,13 +24,13 @@ span the true contact area as at 60 Hz, at the same cost."""
 STRUCK, AT_REST, LEANING, LYING, GONE, MOVED, PUSHED = range(7)
 """Rows of ``FrameBuffers.worklist``:
 
-- STRUCK: frozen bodies hit by an impact;
+- STRUCK: frozen bodies that must unfreeze because of blows;
 - AT_REST: live bodies to which the flat test applies now;
 - LEANING: live bodies to which the leaning test applies now;
 - LYING: live bodies that newly lie on the stack;
 - GONE: live bodies that no longer lie on the stack;
 - MOVED: kinematic bodies that began to move, and frozen bodies that a kinematic body moves;
-- PUSHED: frozen bodies on which a push has changed.
+- PUSHED: frozen bodies on which a push has changed or has lasted ``still_s``.
 """
 STOOD, LENGTH, NOW, HAS_FORCES = range(4)
 """Entries of ``FrameBuffers.clock``."""
@@ -139,5 +139,5 @@ def listed(buffers: FrameBuffers, kind: int) -> IntArray:
 
 @compiled
 def frame_before(buffers: FrameBuffers, back: int) -> int:
-    """Return the index of the dwell frame that is ``back`` frames before the latest frame."""
+    """Return the index of the dwell frame that is ``back`` dwell frames before the latest dwell frame."""
     return int((buffers.latest[0] - back) % len(buffers.sizes))

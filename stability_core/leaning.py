@@ -38,9 +38,9 @@ def torque_induced_force(weight: FloatArray, center: FloatArray, pivot: FloatArr
 
     Args:
         weight: gravitational force G on the body and its loads [N], shape (3,).
-        center: point at which G acts [m], shape (3,).
-        pivot: pivot point [m], shape (3,).
-        contact: centre of the leaning contact's area [m], shape (3,).
+        center: C_stack [m], at which G acts, shape (3,).
+        pivot: P_pivot [m], shape (3,).
+        contact: C_contact [m], the centre of the leaning contact's area, shape (3,).
     """
     torque = _cross(center - pivot, weight)
     lever = contact - pivot

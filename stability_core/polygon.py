@@ -1,6 +1,6 @@
 """Convex polygons in plan: hull, distance, width and centroid of contact points.
 
-Points have the shape (n, 3) [m]. The functions compute with x and y, and carry z along.
+Points have the shape (n, 3) [m]. The functions compute with x and y. Vertices and centroids also have z.
 """
 
 from __future__ import annotations
@@ -52,7 +52,8 @@ def _outer_rows(points: FloatArray) -> IntArray:
 def _ranked_in_plan(points: FloatArray) -> IntArray:
     """Return the rows of the points, sorted by x, then by y, without equal points.
 
-    For more than ``MANY`` points, the result leaves out inner points, which cannot be corners of the hull.
+    For more than ``MANY`` points, the result leaves out the points inside an octagon (``_outer_rows``), because they
+    are no corners of the hull.
     """
     if len(points) > MANY:
         rows = _outer_rows(points)

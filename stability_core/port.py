@@ -30,7 +30,7 @@ part to ``StabilityExtension.wake``.
 
 @dataclass(frozen=True, slots=True)
 class Contacts:
-    """The contact points of the live bodies in one frame, with one row for each point.
+    """All contact points of the live bodies in one frame, with one row for each point.
 
     ``separation`` and ``relative_velocity`` may contain NaN, for values that an engine does not report. Other fields
     must be finite.

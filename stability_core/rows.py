@@ -2,8 +2,8 @@
 
 A hash table with linear probing, at most half full, holds the ids (Knuth, The Art of Computer Programming 3, 6.4). When
 a body leaves the world, later entries of the hash table move up to close the gap (Algorithm R). A new body may get the
-row of the body that left. Bodies get rows in order of appearance, by rising id within a frame. While no body leaves,
-bodies 0, 1, 2 ... have rows 0, 1, 2 ...
+row of the body that left. Bodies get rows in order of appearance, by rising id within a frame. If bodies 0, 1, 2 ...
+appear in this order and no body leaves, they have rows 0, 1, 2 ...
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def _home(slots: IntArray, body: int) -> np.int64:
 
 @compiled
 def _slot_of(slots: IntArray, body: int) -> int:
-    """Return the slot of a body, or the free slot in which a new body would have its place."""
+    """Return the slot of a body, or the free slot for a body without a row."""
     last = len(slots) - 1
     at = _home(slots, body)
     while slots[at, 0] != body and slots[at, 0] != NONE:

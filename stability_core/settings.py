@@ -30,12 +30,12 @@ def _setting(default: float, unit: str, reason: str) -> Any:
 
 
 def _length(metres: float, reason: str) -> Any:
-    """Return a length setting, given for the plank [m]."""
+    """Return a setting in sizes for a length [m] of the paper's plank."""
     return _setting(metres / _PLANK, "sizes", reason)
 
 
 def _speed(metres_a_second: float, reason: str) -> Any:
-    """Return a speed setting, given for the plank [m/s]."""
+    """Return a setting in sqrt(gravity * size) for a speed [m/s] of the paper's plank."""
     return _setting(metres_a_second / _FALL, "sqrt(gravity * size)", reason)
 
 
@@ -44,7 +44,7 @@ class Settings:
     """Tolerances for bodies of any size, at any frame rate.
 
     Raises:
-        ValueError: if a setting is no number, negative or not finite, ``repose`` is not below pi/2, or ``rest_s`` is 0.
+        ValueError: if a setting is no finite number from 0, if ``repose`` is not below pi/2, or if ``rest_s`` is 0.
     """
 
     rest_speed: float = _speed(

@@ -26,7 +26,7 @@ NONE = -1
 FEW = 16
 """Number of ids up to which ``sorted_ids`` sorts by insertion, because insertion is faster for few ids."""
 MAX_VERTICES = 16
-"""Greatest number of vertices of a patch: twice the 8 that a box on a box has in a frame, because frames scatter."""
+"""Greatest number of vertices of a patch: twice the 8 of a box on a box, because the points of frames differ."""
 
 Bodies: TypeAlias = Any
 """Structured array of ``BODY``, with one row per body: see ``rows``. The kernels denote a body by its row."""
@@ -311,8 +311,8 @@ def _is_in_doubt(bodies: Bodies, body: int) -> bool:
 def with_all_above(graph: Graph, roots: IntArray) -> IntArray:
     """Return ``roots`` and each frozen body that rests on them, directly or through other frozen bodies, shape (k,).
 
-    The result also includes each body in doubt that bears a body of the result, because a body in doubt may need its
-    neighbours to stand.
+    The result also includes each body in doubt that bears a body of the result. A body in doubt may need its neighbours
+    to stand.
     """
     reached = np.zeros(len(graph.bodies), np.bool_)
     found = np.empty(len(graph.bodies), np.int64)

@@ -90,9 +90,9 @@ def share_on(graph: Graph, at: int) -> tuple[float, float, float, float]:
     """Return the load of the upper body of patch ``at`` on the lower body: mass [kg], and its point x, y, z [m].
 
     - Single branch: the whole load, at C_stack.
-    - Merge branch: the whole load on the support whose own contact area contains C_stack. If no area contains
-      C_stack, the equivalent mass for two supports, or equal shares for more supports, each at the centre of the
-      contact area.
+    - Merge branch, C_stack in the contact area of one support: the whole load on this support, at C_stack.
+    - Merge branch, other cases with two supports: the equivalent mass, at the centre of the contact area.
+    - Merge branch, other cases with more supports: equal shares, at the centre of each contact area.
     - Leaning body: the whole load on the pivot, at the contact point nearest to C_stack. This rule is an
       addition, because the paper does not describe how a leaning body passes its load down.
     """

@@ -1,8 +1,8 @@
 """Turn the core's memory when gravity changes its direction.
 
 A patch keeps its points and its normal. The module derives the kind, the upper body and the hull of each patch again,
-because they depend on the direction of gravity. For example, a face that carried a body may become a side, and a side
-may become a support. The module drops patches of live bodies, because later steps rebuild these patches from the
+because all three depend on the direction of gravity. For example, a face that carried a body may become a side, and a
+side may become a support. The module drops patches of live bodies, because later steps rebuild these patches from the
 contacts of the dwell frames.
 """
 

@@ -66,7 +66,7 @@ class Upright:
         self.rotation = np.eye(3) if self.is_world else rotation_to_upright(self.up)
 
     def differs(self, gravity: tuple[float, float, float], tilt: float, share: float) -> bool:
-        """Return True if ``gravity`` differs by more than ``tilt`` [rad] in direction, or ``share`` of the strength."""
+        """Return True if ``gravity`` differs by more than ``tilt`` [rad] in direction or ``share`` in strength."""
         vector = np.array(gravity)
         angle = np.arctan2(np.linalg.norm(np.cross(vector, self.up)), -(vector @ self.up))
         return bool(angle > tilt or abs(np.linalg.norm(vector) / self.strength - 1.0) > share)

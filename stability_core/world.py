@@ -62,7 +62,7 @@ class World:
         return rows
 
     def observe(self, contacts: Contacts, masses: Masses, dt: float) -> tuple[int, int, int]:
-        """Read one frame, and return three numbers: length of the worklist, kept contacts, and listed frozen bodies.
+        """Read one frame, and return the numbers of bodies on the worklist, kept contacts, and listed frozen bodies.
 
         Raises:
             ValueError: if the port's arrays are malformed. In this case no body changes.
