@@ -50,6 +50,8 @@ def bit_of(body: int) -> np.uint64:
 def is_level(upward: float, friction: float, level_tilt: float) -> bool:
     """Return True if a contact can carry a vertical force: its Coulomb cone contains the vertical.
 
+    |upward| >= cos(max(atan(friction), level_tilt))
+
     Args:
         upward: vertical component of the unit normal.
         friction: Coulomb coefficient of the pair.
@@ -75,7 +77,7 @@ def upper_of(body_a: int, body_b: int, upward: float) -> int:
 
 @compiled
 def is_moving(body: Bodies, limits: Limits) -> bool:
-    """Return True if a live body is faster than ``moving_speed``."""
+    """Return True if a live body is faster than ``moving_speed`` times sqrt(gravity times size)."""
     return bool(body.speed > limits.moving_speed * np.sqrt(limits.gravity * body.size))
 
 
@@ -99,7 +101,10 @@ def _note(bodies: Bodies, body: int, other: int, depth: float, stands: bool, upw
 
 @compiled
 def speeds_of(velocity: FloatArray, normal: FloatArray) -> tuple[float, float]:
-    """Return the approach speed and the sliding speed [m/s] of a pair: (NaN, 0) for an unknown velocity."""
+    """Return the approach speed and the sliding speed [m/s] of a pair: (NaN, 0) for an unknown velocity.
+
+    For the relative velocity v and the unit normal n, these speeds are -v.n and sqrt(|v|^2 - (v.n)^2).
+    """
     along, total = 0.0, 0.0
     for k in range(3):
         along += velocity[k] * normal[k]
@@ -155,7 +160,12 @@ def size_of_pair(bodies: Bodies, body_a: int, body_b: int) -> float:
 
 @compiled
 def is_impact(approach: float, size: float, limits: Limits, dt: float) -> bool:
-    """Return True if the ``approach`` speed [m/s] exceeds the limit for a pair of this ``size`` [m]."""
+    """Return True if the ``approach`` speed [m/s] exceeds the limit for a pair of this ``size`` [m].
+
+    With the gravitational acceleration g and the length ``dt`` [s] of a frame, the limit is
+
+    max(impact_speed sqrt(g size), impact_frames g dt)
+    """
     laid = max(limits.impact_speed * np.sqrt(limits.gravity * size), limits.impact_frames * limits.gravity * dt)
     return bool(approach > laid)
 

@@ -7,7 +7,9 @@ force that only the engine knows. If the engine reports contact forces, two kind
 - all forces of bodies that the user holds or the host moves.
 
 The forces of a live body faster than ``load_speed`` do not count. The module averages the force over ``load_s``, so
-that a short bump does not count.
+that a short bump does not count. In each frame of length dt, the contact force f changes the mean push p:
+
+p <- (1 - w) p + w f,    w = min(1, dt / load_s)
 """
 
 from __future__ import annotations
