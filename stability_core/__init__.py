@@ -1,4 +1,4 @@
-"""The stability extension: it makes rigid bodies stack in any engine that provides contacts, sleep and mass."""
+"""The stability extension for stacks of rigid bodies, for any engine that provides contacts, sleep and mass."""
 
 from stability_core.batch import Change
 from stability_core.equilibrium import Equilibrium, solve_equilibrium

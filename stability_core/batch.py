@@ -1,4 +1,4 @@
-"""Collect the bodies that one frame freezes and unfreezes, and send them to the engine in at most two calls."""
+"""Collect the bodies to freeze and the bodies to unfreeze in a frame, and send each list to the engine in one call."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ class Change(NamedTuple):
     woken: tuple[int, ...]
     """Bodies unfrozen in this frame, by rising id."""
     reasons: Mapping[int, str]
-    """Reason for each frozen or unfrozen body, by id."""
+    """Reason of each freezing or unfreezing, by the body's id."""
     deferred: tuple[int, ...] = ()
-    """Bodies at rest that the next frame judges, because this frame's budget was spent, by rising id."""
+    """Bodies at rest beyond this frame's budget, by rising id. The next frame judges these bodies."""
 
 
 UNCHANGED = Change((), (), {})
 DRAGGED_ALONG = 3
-"""Number of contacts, counted from a body that a blow throws away, within which frozen bodies unfreeze with that body.
-"""
+"""Number of contacts, counted from a body that a blow throws away, within which frozen bodies unfreeze too, because
+friction drags the body's neighbours along."""
 
 
 def unfreeze(world: World, row: int) -> None:
-    """Make a frozen body live; until the body moves, it still loads its supports."""
+    """Make a frozen body live. The body still loads its supports until it moves."""
     body = world.graph.bodies[row]
     body["state"], body["unsettled"], body["leans"], body["doubt"] = LIVE, True, False, PROVEN
     body["rest_s"] = body["still_s"] = body["lean_s"] = body["steady_s"] = 0.0
@@ -45,7 +45,7 @@ def unfreeze(world: World, row: int) -> None:
 
 
 class Batch:
-    """The bodies that one frame freezes and unfreezes, by row, with the reasons."""
+    """The bodies to freeze and the bodies to unfreeze in one frame, by row, each with its reason."""
 
     __slots__ = ("_world", "deferred", "frozen", "woken")
 
@@ -57,7 +57,7 @@ class Batch:
         self.deferred = NOBODY
 
     def wake(self, reasons: Mapping[int, str]) -> None:
-        """Unfreeze the bodies in ``reasons``, by row, but not the bodies on them."""
+        """Unfreeze the bodies whose rows are the keys of ``reasons``, but not the bodies on them."""
         self.woken.update(reasons)
         for row in reasons:
             unfreeze(self._world, row)
@@ -65,7 +65,7 @@ class Batch:
     def wake_above(self, roots: IntArray, reason: str) -> None:
         """Unfreeze the ``roots``, shape (k,), and the bodies on them.
 
-        If this batch also freezes one of these bodies, the engine gets neither the sleep nor the wake of the body.
+        If this batch also freezes one of these bodies, ``hand_over`` sends neither sleep nor wake for this body.
         """
         graph = self._world.graph
         for row in with_all_above(graph, roots).tolist():
@@ -78,7 +78,8 @@ class Batch:
     def wake_struck(self, struck: IntArray) -> None:
         """Unfreeze the ``struck`` bodies, shape (k,), and the bodies on them.
 
-        If a blow throws a body away, the frozen bodies within ``DRAGGED_ALONG`` contacts unfreeze too.
+        If the slide of a blow exceeds the size of the struck body, the frozen bodies within ``DRAGGED_ALONG`` contacts
+        of this body unfreeze too.
         """
         graph = self._world.graph
         rows = graph.bodies[struck]
@@ -87,7 +88,10 @@ class Batch:
         self.wake_above(struck, "struck")
 
     def leave_moved(self, moved: IntArray) -> None:
-        """Unfreeze the ``moved`` bodies, shape (k,), and the bodies on them; drop the supports of kinematic bodies."""
+        """Unfreeze the ``moved`` bodies, shape (k,), and the bodies on them.
+
+        If a moved body is kinematic, the method also drops the body's patches on its supports.
+        """
         self.wake_above(moved, "moved by the host")
         graph = self._world.graph
         for row in moved.tolist():
@@ -95,11 +99,14 @@ class Batch:
                 drop_supports(graph, row)
 
     def hand_over(self, port: StabilityPort) -> Change:
-        """Send one sleep and one wake batch to the engine; return the change by ids.
+        """Send at most one sleep call and one wake call to the engine, and return the change by ids.
 
-        The method undoes a call that raises. After a failed ``sleep``, the bodies of the batch have their former
-        states. After a failed ``wake``, the bodies in ``woken`` are frozen. These bodies stay in ``woken``, so that the
-        next update tries again.
+        If the port raises, the method restores the former states in the core's table:
+
+        - if ``sleep`` raises, the states of all bodies of the batch;
+        - if ``wake`` raises, the states of the bodies in ``woken``: frozen.
+
+        The bodies in ``woken`` stay there, so that the next update tries again.
         """
         later = tuple(np.sort(self._world.ids[self.deferred]).tolist()) if len(self.deferred) else ()
         if not self.frozen and not self.woken:
@@ -129,7 +136,7 @@ class Batch:
         return named if len(named) == 1 else dict(sorted(named.items()))
 
     def _take_back(self, asleep: Iterable[int]) -> None:
-        """Undo a batch that the port did not carry out: make ``asleep`` live, and freeze the bodies in ``woken``."""
+        """Undo a batch that the port did not carry out: make ``asleep`` live, and the bodies in ``woken`` frozen."""
         table = self._world.graph.bodies
         for row in asleep:
             unfreeze(self._world, row)

@@ -1,12 +1,13 @@
-"""Blows: find the frozen bodies that a live body strikes, or is about to strike, hard enough to move them.
+"""Find the frozen bodies that a live or kinematic body strikes, or is about to strike, hard enough to move them.
 
-A striker loses its momentum within one step, because a frozen body has infinite mass. Unfreezing the body afterwards is
-too late. Therefore a contact that will close within ``AHEAD`` frames counts before the bodies touch, so that the engine
-simulates the impact. The module judges a sideways blow by the slide that the blow would cause. A striker of mass M
-strikes a body of mass m at the horizontal speed v. With the coefficient of friction mu, a plastic impact gives
+A striker loses its momentum within one step, because a frozen body has infinite mass. After this step, unfreezing the
+struck body is too late. Therefore a contact whose gap will close within ``AHEAD`` frames counts as a blow before the
+bodies touch. The module judges a sideways blow by the slide that the blow would cause. A striker of mass M strikes a
+body of mass m at the horizontal speed v. After a plastic impact, the body has the speed v' and slides to rest:
 
 v' = v M / (M + m),    slide = v'^2 / (2 mu g)
 
+Here mu is the coefficient of friction, and g is the gravitational acceleration. A kinematic striker has infinite mass.
 The slides of one body add up, so that many weak blows unfreeze the body as well.
 """
 
@@ -27,12 +28,12 @@ AHEAD = 1.5
 """Time [frames] within which the gap of a contact must close so that the contact counts as a blow: one frame, and half
 a frame more because bodies accelerate."""
 SIDEWAYS = 0.3
-"""Vertical component of a unit normal up to which a blow counts as sideways, because above this value the supports of
-the struck body take the blow."""
+"""Vertical component of a unit normal up to which a blow counts as sideways, because the supports of the struck body
+take a steeper blow."""
 
 
 class Blow(NamedTuple):
-    """A closing contact."""
+    """A contact whose gap closes."""
 
     approach: float
     """Closing speed [m/s]."""
@@ -44,7 +45,7 @@ class Blow(NamedTuple):
 
 @compiled
 def _speed_after(striker: Bodies, target: Bodies, blow: Blow) -> float:
-    """Return the horizontal speed [m/s] of the target after a plastic impact; zero for a downward blow."""
+    """Return the horizontal speed [m/s] of the target after a plastic impact: zero unless the blow is sideways."""
     if abs(blow.upward) > SIDEWAYS:
         return 0.0
     share = 1.0 if striker.state == MOVING else striker.mass / (striker.mass + target.mass)
@@ -53,7 +54,7 @@ def _speed_after(striker: Bodies, target: Bodies, blow: Blow) -> float:
 
 @compiled
 def _note_blow(bodies: Bodies, striker: int, target: int, blow: Blow, limits: Limits, dt: float) -> bool:
-    """Record the effect of a blow on a frozen body; return True for the body's first effective blow in this frame."""
+    """Record the effect of a blow on a frozen body, and return True for its first effective blow in this frame."""
     row = bodies[target]
     size = size_of_pair(bodies, striker, target)
     is_hard = is_impact(blow.approach, size, limits, dt)
@@ -69,14 +70,14 @@ def _note_blow(bodies: Bodies, striker: int, target: int, blow: Blow, limits: Li
 
 @compiled
 def list_struck(bodies: Bodies, contacts: ContactArrays, limits: Limits, dt: float, struck: IntArray) -> int:
-    """List the frozen bodies that a blow must unfreeze, each once: O(n).
+    """List the frozen bodies that must unfreeze because of blows, each once: O(n).
 
     Args:
-        bodies: the table, tracked for this frame.
+        bodies: the table, after ``motion.track`` of this frame.
         contacts: n contacts between rows of the table.
         limits: the settings.
         dt: length of a frame [s].
-        struck: output, at least 2 n rows.
+        struck: output, with room for at least 2 n bodies.
 
     Returns:
         Number of listed bodies.

@@ -12,13 +12,15 @@ __all__ = ["KEPT", "NOT_KEPT", "WrongTypeError", "compiled"]
 
 Kernel = TypeVar("Kernel", bound=Callable[..., object])
 NOT_KEPT: list[str] = []
-"""Reasons, one per kernel, why compiled kernels cannot be cached for later processes; empty if a cache exists."""
+"""Reasons, one per kernel, why Numba cannot cache the kernel on disk. The list is empty if the cache is writable."""
 KEPT: list[Any] = []
-"""Kernels that are cached on disk."""
+"""Kernels that Numba caches on disk."""
 
 
 def compiled(function: Kernel, **options: Any) -> Kernel:
-    """Compile ``function`` on its first call, with NumPy's rules for division: x / 0 is inf, not an exception.
+    """Return a kernel that Numba compiles from ``function`` on the first call.
+
+    As in NumPy, a floating-point division by zero gives inf or NaN, not an exception.
 
     Args:
         function: a function that Numba can compile.
@@ -26,7 +28,7 @@ def compiled(function: Kernel, **options: Any) -> Kernel:
     """
     try:
         kernel = njit(cache=True, error_model="numpy", **options)(function)
-    except RuntimeError as error:  # neither the package's folder nor the user's is writable
+    except RuntimeError as error:  # neither the package's folder nor the user's cache folder is writable
         NOT_KEPT.append(str(error))
         return cast("Kernel", njit(error_model="numpy", **options)(function))
     KEPT.append(kernel)

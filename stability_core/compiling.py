@@ -1,7 +1,8 @@
 """Compile all kernels before their first use, and log a long compilation.
 
-Numba compiles a kernel on its first call. Numba's cache is beside the sources, in the user's cache, or in
-``NUMBA_CACHE_DIR``. Only this module of the core reads a clock and files, and neither affects a verdict.
+Numba compiles a kernel on its first call. Numba's cache is beside the sources, in the user's cache folder, or in
+``NUMBA_CACHE_DIR``. Only this module of the core reads a clock and files. Neither the clock nor a file affects a
+verdict.
 """
 
 from __future__ import annotations
@@ -18,13 +19,13 @@ from stability_core.script import ScriptedExtension, ScriptedPort, play_script
 
 _LOG = logging.getLogger("stability_core")
 _SILENT_S = 2.0
-"""Time [s] of compiling above which ``compile_policy`` logs a line."""
+"""Time [s] of compiling above which ``compile_policy`` logs a line, because a user notices a longer pause."""
 _COMPILED: set[str] = set()
-"""Policies compiled in this process."""
+"""Names of the policies whose kernels this process has compiled."""
 
 
 def compile_policy(policy: str, extension_of: Callable[[ScriptedPort], ScriptedExtension]) -> float:
-    """Compile all kernels of a policy, once in a process; return the time [s].
+    """Compile all kernels of a policy, once in a process, and return the time [s].
 
     Args:
         policy: name of the policy.
@@ -39,10 +40,10 @@ def compile_policy(policy: str, extension_of: Callable[[ScriptedPort], ScriptedE
             "Numba cannot cache compiled kernels: set NUMBA_CACHE_DIR to a folder in which you can write files"
         )
     elif not _is_kept(observe):
-        _LOG.warning("compiling the kernels of policy %r, which takes one to two minutes, once per version", policy)
+        _LOG.warning("compiling the kernels of policy %r: one to two minutes, once per version", policy)
     try:
         _play(extension_of)
-    except (ImportError, AttributeError):  # an earlier version's kernel names a module or a class that was removed
+    except (ImportError, AttributeError):  # a cached kernel of an earlier version names a removed module or class
         _forget_kept()
         _play(extension_of)
     seconds = time.perf_counter() - begin
@@ -57,13 +58,13 @@ def _play(extension_of: Callable[[ScriptedPort], ScriptedExtension]) -> None:
 
 
 def _is_kept(kernel: Any) -> bool:
-    """Return whether the cache on disk contains a kernel, in this version or an earlier version."""
+    """Return True if the cache on disk contains ``kernel``, of this version or an earlier version."""
     folder = Path(kernel.stats.cache_path or "")
     return any(folder.glob(f"*.{kernel.py_func.__qualname__}-*.nbi"))
 
 
 def _forget_kept() -> None:
-    """Delete the index of every kernel in the cache on disk, so that Numba compiles the kernels again."""
+    """Delete the index file of every kernel in the cache on disk, so that Numba compiles the kernels again."""
     for kernel in KEPT:
         for index in Path(kernel.stats.cache_path).glob(f"*.{kernel.py_func.__qualname__}-*.nbi"):
             index.unlink(missing_ok=True)

@@ -1,8 +1,7 @@
 """Filter contacts: drop fast impacts and gaps, and decide by the normal which body of a pair stands on the other body.
 
-The paper also drops pairs in which neither body touches the stack. This filter keeps these pairs, because they show the
-bodies that lie on a live load. The tests examine only bodies that touch the stack. Therefore these pairs change no
-decision.
+The paper also drops pairs in which neither body touches the stack. This filter keeps these pairs, because they show
+which bodies lie on a live load. These pairs add no candidate, because only bodies that touch the stack are candidates.
 """
 
 from __future__ import annotations
@@ -24,31 +23,34 @@ CONTACT = np.dtype(
         ("point", "f8", (3,)),
         ("normal", "f8", (3,)),
         ("friction", "f8"),
-        ("force", "f8", (3,)),  # [N], zero if the engine reports none
-        ("level", "?"),  # load-bearing: its cone contains the vertical, and it pushes a body up
+        ("force", "f8", (3,)),  # [N], zero if the engine reports no forces
+        ("level", "?"),  # True if load-bearing: its cone contains the vertical, and it pushes up a movable body
     ],
     align=True,
 )
-"""Row of a contact that the filter kept, with the fields of ``Contacts``."""
+"""Row of a contact that the filter keeps, in upright coordinates and with the units of ``Contacts``."""
 ContactRows: TypeAlias = Any
 """Structured array of ``CONTACT``."""
 BEARS = 0.1
-"""Vertical component of a unit normal above which a contact bears some weight, even on a face that is too steep for
-friction, because a brick can rest in a wedge of two steep faces."""
+"""Vertical component of a unit normal above which the lower body of a contact counts as a support.
+
+The value is low, because a brick can rest in a wedge of two faces that are too steep for friction."""
 _NEAR = 0.1
-"""Ratio of a contact point's gap to the point's distance from the body's centre, up to which the point counts as lying
-on the body's surface."""
+"""Ratio of a contact point's gap to the point's distance from the body's centre, up to which the point counts as on the
+body's surface. A wider gap does not show the body's size, because engines also list points before touch."""
 
 
 @compiled
 def bit_of(body: int) -> np.uint64:
-    """Return the bit of a body in a set of 64 bits."""
+    """Return the bit of a body in a set of 64 bits. Rows that differ by a multiple of 64 share a bit."""
     return np.uint64(1) << np.uint64((body + 1) % 64)
 
 
 @compiled
 def is_level(upward: float, friction: float, level_tilt: float) -> bool:
     """Return True if a contact can carry a vertical force: its Coulomb cone contains the vertical.
+
+    |upward| >= cos(max(atan(friction), level_tilt))
 
     Args:
         upward: vertical component of the unit normal.
@@ -75,7 +77,7 @@ def upper_of(body_a: int, body_b: int, upward: float) -> int:
 
 @compiled
 def is_moving(body: Bodies, limits: Limits) -> bool:
-    """Return True if a live body is faster than ``moving_speed``."""
+    """Return True if a live body is faster than ``moving_speed`` times sqrt(gravity times size)."""
     return bool(body.speed > limits.moving_speed * np.sqrt(limits.gravity * body.size))
 
 
@@ -99,7 +101,10 @@ def _note(bodies: Bodies, body: int, other: int, depth: float, stands: bool, upw
 
 @compiled
 def speeds_of(velocity: FloatArray, normal: FloatArray) -> tuple[float, float]:
-    """Return approach and sliding speed [m/s] of a pair, (nan, 0) if the velocity is unknown."""
+    """Return the approach speed and the sliding speed [m/s] of a pair: (NaN, 0) for an unknown velocity.
+
+    For the relative velocity v and the unit normal n, these speeds are -v.n and sqrt(|v|^2 - (v.n)^2).
+    """
     along, total = 0.0, 0.0
     for k in range(3):
         along += velocity[k] * normal[k]
@@ -111,8 +116,8 @@ def speeds_of(velocity: FloatArray, normal: FloatArray) -> tuple[float, float]:
 def _deepest_of_pair(body_a: IntArray, body_b: IntArray, separation: FloatArray, first: int) -> tuple[float, int]:
     """Return the separation [m] of a pair's deepest point, at most zero, and the row after the pair's last point.
 
-    The function reads only rows from the ``first`` row of the pair on, because engines list the points of a pair in
-    sequence.
+    The function reads from the ``first`` row of the pair to the next row of another pair. Ports list the points of a
+    pair together.
     """
     deepest, i = 0.0, first
     while i < len(separation) and body_a[i] == body_a[first] and body_b[i] == body_b[first]:
@@ -145,7 +150,7 @@ def note_sizes(bodies: Bodies, contacts: ContactArrays) -> None:
 
 @compiled
 def size_of_pair(bodies: Bodies, body_a: int, body_b: int) -> float:
-    """Return the size [m] of the smaller body of a pair; for a contact with the ground, the size of the other body."""
+    """Return the size [m] of the smaller body of a pair, or of the body that touches the ground."""
     if body_a == GROUND:
         return float(bodies[body_b].size)
     if body_b == GROUND:
@@ -155,27 +160,32 @@ def size_of_pair(bodies: Bodies, body_a: int, body_b: int) -> float:
 
 @compiled
 def is_impact(approach: float, size: float, limits: Limits, dt: float) -> bool:
-    """Return True if the ``approach`` speed [m/s] exceeds the limit for a pair of this ``size`` [m]."""
+    """Return True if the ``approach`` speed [m/s] exceeds the limit for a pair of this ``size`` [m].
+
+    With the gravitational acceleration g and the length ``dt`` [s] of a frame, the limit is
+
+    max(impact_speed sqrt(g size), impact_frames g dt)
+    """
     laid = max(limits.impact_speed * np.sqrt(limits.gravity * size), limits.impact_frames * limits.gravity * dt)
     return bool(approach > laid)
 
 
 @compiled
 def keep_contacts(bodies: Bodies, contacts: ContactArrays, limits: Limits, dt: float, kept: ContactRows) -> int:
-    """Filter one frame's contacts; record the neighbours, the depth and the sliding speed of each live body.
+    """Filter one frame's contacts, and record the neighbours, the depth and the sliding speed of each live body.
 
     Args:
-        bodies: the table, tracked for this frame.
+        bodies: the table, after ``motion.track`` of this frame.
         contacts: n contacts between rows of the table.
         limits: the settings. The filter drops impacts (see ``is_impact``) and gaps wider than ``contact_gap``. The
             filter measures gaps from the deepest point of the pair, because a tilted plank may stand only on one edge,
             deep in the ground. A contact that is not load-bearing counts up to a gap of ``touch_gap``, because friction
             needs pressure.
         dt: time since the last frame [s].
-        kept: output, at least n rows of ``CONTACT``.
+        kept: output, with room for at least n rows of ``CONTACT``.
 
     Returns:
-        Number of contacts that count.
+        Number of kept contacts.
     """
     body_a, body_b, point, normal = contacts.body_a, contacts.body_b, contacts.point, contacts.normal
     separation, relative_velocity = contacts.separation, contacts.relative_velocity
@@ -187,7 +197,7 @@ def keep_contacts(bodies: Bodies, contacts: ContactArrays, limits: Limits, dt: f
             deepest, following = _deepest_of_pair(body_a, body_b, separation, i)
             size_of = size_of_pair(bodies, a, b)
         if separation[i] - deepest > limits.contact_gap * size_of:
-            continue  # never for an unknown (NaN) separation: it counts as touch
+            continue  # never for an unknown (NaN) separation, which counts as touch
         approach, slip = speeds_of(relative_velocity[i], normal[i])
         if is_impact(approach, size_of, limits, dt):
             continue

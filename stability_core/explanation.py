@@ -11,21 +11,21 @@ from stability_core.stack import DOUBTED, FALLS, FIXED, FROZEN, MOVING, TOPPLES
 
 
 def explain(row: Any, settings: Settings, gravity: float, dt: float, reason: str) -> str:
-    """Explain a body's state; for a live body, state the first rule that keeps it live.
+    """Explain why a body is frozen or counts as moved by the host, or name the first rule that keeps a live body live.
 
     Args:
         row: a row of ``BODY``, after an update.
         settings: the tolerances.
         gravity: gravitational acceleration [m/s2], positive.
         dt: length of the latest frame [s].
-        reason: reason of the body's last freezing or unfreezing; empty without any.
+        reason: reason of the body's last freezing or unfreezing; empty before the first.
     """
     if row["state"] == FROZEN:
         return f"frozen: {reason}"
     if row["state"] == FIXED:
         return "moved by the host: the body keeps its place, and counts as ground"
     if row["state"] == MOVING:
-        return f"moved by the host: no body freezes on it until it has kept its place for {settings.still_s:g} s"
+        return f"moved by the host: no body freezes on this body until it has kept its place for {settings.still_s:g} s"
     if row["held"]:
         return "held by the user: the body may freeze after its release"
     if not row["touches"]:
@@ -36,14 +36,14 @@ def explain(row: Any, settings: Settings, gravity: float, dt: float, reason: str
         )
     if row["unsettled"]:
         return (
-            f"unfrozen ({reason}) and perhaps at the start of a collapse: judged again after the body has moved, or "
-            f"has been calm for {settings.calm_s:g} s (so far {row['lean_s']:.2f} s)"
+            f"unfrozen ({reason}) and perhaps at the start of a collapse: the core judges the body again after it has "
+            f"moved, or has been calm for {settings.calm_s:g} s (so far {row['lean_s']:.2f} s)"
         )
     return _why_not_at_rest(row, settings, gravity, dt) or _why_refused(row, settings)
 
 
 def _why_not_at_rest(row: Any, settings: Settings, gravity: float, dt: float) -> str:
-    """Return the rule of rest that a body violates; empty if it is at rest."""
+    """Return the rule of rest that a body violates, or an empty text for a body at rest."""
     if max(row["rest_s"] - settings.rest_s, row["still_s"] - settings.still_s) >= -ROUNDING_S:
         return ""
     if not np.isfinite(row["speed"]):
@@ -67,15 +67,15 @@ def _why_not_at_rest(row: Any, settings: Settings, gravity: float, dt: float) ->
 
 
 def _why_refused(row: Any, settings: Settings) -> str:
-    """Return why the policy did not freeze a body at rest."""
+    """Return the reason why the policy did not freeze a body at rest."""
     if row["refusal"] == TOPPLES:
         return "topples: the centre of mass lies outside the contact area"
     if row["refusal"] == FALLS:
         return "falls: no contact forces hold the body in the stack"
     if row["refusal"] == DOUBTED:
         return (
-            "in doubt: contact forces could hold the body, but would not arise by themselves; freezes after it has "
-            f"kept its place for {settings.doubt_s:g} s (so far {row['steady_s']:.2f} s)"
+            "in doubt: contact forces could hold the body, but would not arise by themselves; the body freezes after "
+            f"it has kept its place for {settings.doubt_s:g} s (so far {row['steady_s']:.2f} s)"
         )
     return "at rest, but the policy did not find it stable"
 

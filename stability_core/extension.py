@@ -33,12 +33,12 @@ MOMENT_S = 1e-9
 
 
 def warm_up(policy: str = "equilibrium") -> float:
-    """Compile all kernels of ``policy``, or read them from Numba's cache; return the time [s].
+    """Compile all kernels of ``policy``, or read them from Numba's cache, and return the time [s].
 
     ``StabilityExtension`` calls this function once per process and policy, so that Numba compiles nothing while a
-    simulation runs. You may call the function earlier, for example while you build a container, because compiling takes
-    one to two minutes, once per version. The function reports long compilations, and a cache that is not writable, to
-    the logger ``stability_core``.
+    simulation runs. You may call the function earlier, for example while you build a container. Compiling takes one to
+    two minutes, once per version of the core. The function reports long compilations, and a cache that is not writable,
+    to the logger ``stability_core``.
 
     Raises:
         UnknownNameError: if ``policy`` is no name of ``POLICIES``.
@@ -48,7 +48,7 @@ def warm_up(policy: str = "equilibrium") -> float:
 
 
 class StabilityExtension:
-    """The stability extension of Thomsen and Kraus, for any engine that provides contacts, sleep and mass."""
+    """The stability extension of Thomsen and Kraus (2015), for any engine that provides contacts, sleep and mass."""
 
     def __init__(
         self,
@@ -84,21 +84,21 @@ class StabilityExtension:
         if self.policy.gravity != strength:
             self.policy.set_gravity(strength)
         self._news: dict[int, str] = {}
-        """Rows of bodies disturbed or unfrozen by the host since the last update, with the reason."""
+        """Reason, by row, of each body that the next update must unfreeze."""
         self._is_pending = False
-        """True if a change since the last update shows in no contact."""
+        """True after a change that no contact shows, because the next update must then judge the stack again."""
         self._leaving: list[int] = []
-        """Bodies removed by the host since the last update."""
+        """Ids of bodies that the host has removed since the last update."""
         self._left: frozenset[int] = frozenset()
-        """Bodies dropped in the latest update. An engine whose lists are a frame late may still list these bodies."""
+        """Ids of bodies that the latest update dropped. An engine whose lists are a frame late may still list them."""
         self._dt = math.inf
         """Length of the latest frame [s]."""
         self._is_closed = False
         self._reasons: dict[int, str] = {}
         """Reason of each body's last freezing or unfreezing."""
         self.dropped = 0
-        """Number of contact and mass rows dropped so far, because they name a body removed in this frame or the
-        previous frame."""
+        """Number of contact and mass rows dropped so far, because these rows name a body removed in the same frame or
+        the previous frame."""
 
     @property
     def frozen(self) -> IntArray:
@@ -109,10 +109,10 @@ class StabilityExtension:
 
     @property
     def gravity(self) -> tuple[float, float, float]:
-        """Gravity [m/s2], in the coordinates of the port; set this value whenever gravity changes, before ``update``.
+        """Gravity [m/s2], in the coordinates of the port.
 
-        Changes add up. After a total change of ``gravity_tilt`` or ``gravity_change``, the next update judges every
-        frozen body again: O(bodies).
+        Set this value before ``update`` whenever gravity changes. Small changes add up. After a total change of
+        ``gravity_tilt`` or ``gravity_change``, the next update judges every frozen body again: O(bodies).
         """
         return self._gravity
 
@@ -134,7 +134,7 @@ class StabilityExtension:
         self.close()
 
     def close(self) -> None:
-        """Unfreeze every body and refuse further use, so that another extension can take over the port.
+        """Unfreeze every frozen body and refuse further use, so that another extension can take over the port.
 
         A second call does nothing.
         """
@@ -148,7 +148,7 @@ class StabilityExtension:
         self._is_closed = True
 
     def wake(self, bodies: Iterable[int]) -> Change:
-        """Unfreeze ``bodies`` and the frozen bodies on them at once, as an impact would.
+        """Unfreeze ``bodies`` and the frozen bodies on them immediately, as an impact would.
 
         Call this method in two cases:
 
@@ -170,7 +170,9 @@ class StabilityExtension:
         return self._send(batch)
 
     def disturb(self, bodies: Iterable[int]) -> None:
-        """Keep ``bodies`` live while a user holds or pushes them, and judge the bodies on them again.
+        """Keep ``bodies`` live while a user holds or pushes these bodies.
+
+        The next update judges the bodies on them again. End this state with ``release``.
 
         Raises:
             KeyError: for a body that no update has seen.
@@ -183,7 +185,7 @@ class StabilityExtension:
                 self._news[row] = "disturbed"
 
     def release(self, bodies: Iterable[int]) -> None:
-        """Let ``bodies`` freeze again once they are at rest, because the user has released them.
+        """Let ``bodies`` freeze again once they are at rest, after the user has released these bodies.
 
         Raises:
             KeyError: for a body that no update has seen.
@@ -191,7 +193,7 @@ class StabilityExtension:
         self._world.graph.bodies["held"][self._world.rows_of(bodies)] = False
 
     def why(self, body: int) -> str:
-        """Explain why a body is live, such as "0.31 mm deep in its support", or why the core froze it.
+        """Explain why a body is live (such as "0.31 mm deep in its support"), or why the core froze the body.
 
         Raises:
             KeyError: for a body that no update has seen.
@@ -200,19 +202,20 @@ class StabilityExtension:
         return explain(row, self.settings, self.policy.gravity, self._dt, self._reasons.get(body, ""))
 
     def update(self, dt: float) -> Change:
-        """Read the world after a step of ``dt`` seconds; freeze and unfreeze bodies.
+        """Read the world after a step of ``dt`` seconds, and freeze and unfreeze bodies.
 
-        The cost depends on the live bodies and the changes, not on the number of frozen bodies. While no body is live,
-        the cost is negligible. If the call raises, nothing changes, with one exception: a port whose ``sleep`` or
-        ``wake`` raises may have carried out a part of the batch. The next update repeats this batch.
+        The cost depends on the live bodies and the changes, not on the number of frozen bodies. While the port lists no
+        body and no contact, and the host makes no change, the core only reads the port. If the input is malformed, no
+        body freezes or unfreezes. If the port's ``sleep`` or ``wake`` raises, the port may have carried out a part of
+        the batch, and the next update tries again.
 
         Raises:
-            ValueError: if dt is not positive, or the port returns malformed contacts or masses.
+            ValueError: if dt is not positive and finite, or the port returns malformed contacts or masses.
             RuntimeError: if the extension is closed.
         """
         self._check_open()
         if not 0.0 < dt < math.inf:
-            raise ValueError(f"dt must be positive [s], got {dt}: pass the length of the step")
+            raise ValueError(f"dt must be positive and finite [s], got {dt}: pass the length of the step")
         self._dt = dt
         seen = self._look(dt)
         if seen is None:
@@ -225,7 +228,7 @@ class StabilityExtension:
         return self._settle(contacts, self.settings.budget)
 
     def adopt(self, bodies: Iterable[int] | None = None) -> Change:
-        """Judge bodies in place by statics at once, and freeze the bodies that stand, even before they are at rest.
+        """Judge bodies in place by statics, and freeze the bodies that stand, even before these bodies are at rest.
 
         Use this method for stacks that exist when the simulation starts, and for stacks that you place as a whole. Call
         the method before the first step, with an engine that lists the contacts of the present poses. Bodies stay live
@@ -236,7 +239,7 @@ class StabilityExtension:
             bodies: the live bodies to judge; None for all.
 
         Raises:
-            KeyError: for a body that the port does not list.
+            KeyError: for a body that the port has not listed.
             ValueError: if the port returns malformed contacts or masses.
             RuntimeError: if the extension is closed.
         """
@@ -257,7 +260,7 @@ class StabilityExtension:
             raise RuntimeError(CLOSED)
 
     def _is_in_place(self, rows: Bodies) -> BoolArray:
-        """Return the mask (k,) of the live bodies that are not held, do not slide, and have no known motion."""
+        """Return a mask (k,): True for a live body that no user holds, without sliding and without known motion."""
         fall_speed = np.sqrt(self._world.limits["gravity"] * rows["size"])
         moves = np.isfinite(rows["speed"]) & (rows["speed"] > self.settings.rest_speed * fall_speed)
         slides = rows["slip"] > self.settings.rest_slip * fall_speed
@@ -274,7 +277,9 @@ class StabilityExtension:
             worklist[rule, 0], worklist[rule, 1 : 1 + len(together)] = len(together), together
 
     def _look(self, dt: float) -> tuple[int, int] | None:
-        """Read one frame; return the worklist's length and the number of kept contacts, or None if nothing is live.
+        """Read one frame, and return the worklist's length and the number of kept contacts.
+
+        The result is None if the port lists nothing and the host has changed nothing.
 
         Raises:
             ValueError: if the port returns malformed contacts or masses.
@@ -304,7 +309,7 @@ class StabilityExtension:
             self._is_pending = True
 
     def _without_removed(self, contacts: Contacts, masses: Masses) -> tuple[Contacts, Masses]:
-        """Return the port's arrays without the rows of recently removed bodies; count the dropped rows.
+        """Return the port's arrays without the rows of recently removed bodies, and count the dropped rows.
 
         Raises:
             ValueError: if the shapes of the arrays do not fit together.
@@ -320,7 +325,7 @@ class StabilityExtension:
         return contacts.chosen(stays), Masses(masses.body[lives], masses.mass[lives], masses.center_of_mass[lives])
 
     def _follow_frozen(self, masses: Masses) -> None:
-        """Update the listed frozen bodies: judge the stack again after a change of mass, and unfreeze moved bodies."""
+        """Compare the listed frozen bodies with the table, and record changes of mass and place for this update."""
         bodies = self._world.graph.bodies
         for row, mass, moved in self._world.frozen_listed(masses):
             if math.isinf(mass) or moved > self.settings.steady_shift * bodies["size"][row]:
@@ -332,9 +337,10 @@ class StabilityExtension:
                 self._is_pending = True
 
     def _settle(self, contacts: int, budget: float) -> Change:
-        """Let the policy freeze stable bodies within its ``budget``; unfreeze unbalanced bodies and the bodies on them.
+        """Let the policy freeze stable bodies, and unfreeze unbalanced bodies and the bodies on them.
 
-        The number of kept ``contacts`` bounds the number of new patches.
+        The ``budget`` [bodies] limits the work of the policy: see ``Policy``. The number of kept ``contacts`` bounds
+        the number of new patches.
         """
         batch, worklist = Batch(self._world), self._world.buffers.worklist
         if self._news:
@@ -352,7 +358,7 @@ class StabilityExtension:
         return self._send(batch)
 
     def _send(self, batch: Batch) -> Change:
-        """Send a batch to the engine and record the reasons of the batch.
+        """Send a batch to the engine, and record the reasons of its changes.
 
         If the engine raises, the next update tries again.
         """

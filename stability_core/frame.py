@@ -1,6 +1,6 @@
 """The per-frame kernel: validate input, track live bodies, filter contacts, collect candidates.
 
-A frame without changes costs only this compiled call.
+Without changes, the work of the core on a frame ends with this compiled call.
 """
 
 from __future__ import annotations
@@ -48,9 +48,9 @@ from stability_core.validation import (
 
 @compiled
 def _first_repeated(bodies: Bodies, ids: IntArray) -> int:
-    """Return the first index in ``ids`` of a repeated body, or -1; record the ``place`` of each body in ``ids``."""
+    """Record the ``place`` of each body in ``ids``, and return the index of the first repeated body, or -1."""
     for i in range(len(ids)):
-        place = bodies[ids[i]].place  # may be left over from another list
+        place = bodies[ids[i]].place  # perhaps left over from another list
         if place < i and ids[place] == ids[i]:
             return i
         bodies[ids[i]].place = i
@@ -65,7 +65,7 @@ def _is_listed(bodies: Bodies, ids: IntArray, body: int) -> bool:
 
 @compiled
 def _first_flipped(bodies: Bodies, contacts: ContactArrays, masses: MassArrays) -> int:
-    """Return the row of a contact with the ground if all contacts with the ground have flipped normals, else -1.
+    """Return a row with a flipped normal if the normals of all contacts with the ground are flipped, else -1.
 
     Kinematic bodies do not count, because they need not be convex and need not rest on anything.
     """
@@ -94,7 +94,9 @@ def _first_flipped(bodies: Bodies, contacts: ContactArrays, masses: MassArrays) 
 def _first_fault(
     bodies: Bodies, slots: IntArray, named: ContactArrays, contacts: ContactArrays, masses: MassArrays
 ) -> tuple[int, int]:
-    """Return the first fault that the core can find only after it has given rows to the listed bodies, and its row.
+    """Return the first fault of the contacts and masses after the bodies have rows, and the row of the fault.
+
+    The result is (FINE, -1) without a fault.
 
     Args:
         bodies: the table.
@@ -117,7 +119,7 @@ def _first_fault(
 
 @compiled
 def _name_new(bodies: Bodies, ids: IntArray, rows: IntArray) -> None:
-    """Record the ids of the bodies that the port lists for the first time."""
+    """Write the ids of new bodies, which the port lists for the first time, to the table."""
     for i in range(len(ids)):
         if bodies[rows[i]].state == ABSENT:
             bodies[rows[i]].id = ids[i]
@@ -192,7 +194,8 @@ def observe(
         Four numbers:
 
         - the fault, or FINE without a fault;
-        - the row of the fault; for NO_ROOM the number of missing rows; for FINE the number of listed frozen bodies;
+        - the row of the fault, or for NO_ROOM the number of missing rows, or for FINE the number of listed frozen
+        bodies;
         - the number of bodies in ``worklist``;
         - the number of kept contacts of all dwell frames.
     """

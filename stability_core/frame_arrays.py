@@ -13,7 +13,7 @@ from stability_core.port import Contacts, FloatArray, IntArray, Masses
 
 IDS, NUMBERS = np.dtype(np.int64), np.dtype(np.float64)
 NO_FORCES = np.zeros((0, 0))
-"""Contact forces of an engine that reports none. The shape differs from that of the forces of no contacts, (0, 3)."""
+"""Contact forces of an engine that reports no forces. An engine with forces, but without contacts, gives (0, 3)."""
 
 
 class ContactArrays(NamedTuple):
@@ -49,9 +49,9 @@ class MassArrays(NamedTuple):
 
 
 def laid_out(array: Any, dtype: np.dtype[Any]) -> Any:
-    """Return an array in the kernels' layout; copy the array only if necessary."""
+    """Return an array in the kernels' layout, and copy the array only if necessary."""
     if type(array) is np.ndarray and array.dtype is dtype and array.flags.carray:
-        return array  # the usual case: this check takes a third less time than the conversion
+        return array  # the usual case, in which this check takes less time than a conversion
     contiguous = np.ascontiguousarray(array, dtype)
     return contiguous if contiguous.flags.writeable else contiguous.copy()
 

@@ -1,6 +1,7 @@
 """The recent history of contacts, and the worklist of the latest frame.
 
-The arrays persist from frame to frame; ADR-0002 gives the reason.
+The buffers keep the contacts of some frames, because a single frame often does not show the true contact area. The
+kept frames are the "dwell frames". The arrays persist from frame to frame. ADR-0002 gives the reason.
 """
 
 from __future__ import annotations
@@ -17,19 +18,19 @@ from stability_core.settings import ROUNDING_S
 from stability_core.stack import ABSENT, Bodies
 
 FRAME_S = 1 / 60
-"""Least length [s] of a dwell frame. At a host's 1 kHz the buffers keep only every 17th frame, so that six kept frames
+"""Least length [s] of a dwell frame. At 1 kHz the buffers keep every 17th frame of the host. Therefore six dwell frames
 span the true contact area as at 60 Hz, at the same cost."""
 
 STRUCK, AT_REST, LEANING, LYING, GONE, MOVED, PUSHED = range(7)
 """Rows of ``FrameBuffers.worklist``:
 
-- STRUCK: frozen bodies hit by an impact;
+- STRUCK: frozen bodies that must unfreeze because of blows;
 - AT_REST: live bodies to which the flat test applies now;
 - LEANING: live bodies to which the leaning test applies now;
 - LYING: live bodies that newly lie on the stack;
 - GONE: live bodies that no longer lie on the stack;
 - MOVED: kinematic bodies that began to move, and frozen bodies that a kinematic body moves;
-- PUSHED: frozen bodies on which a push has changed.
+- PUSHED: frozen bodies on which a push has changed or has lasted ``still_s``.
 """
 STOOD, LENGTH, NOW, HAS_FORCES = range(4)
 """Entries of ``FrameBuffers.clock``."""
@@ -42,27 +43,27 @@ class FrameBuffers(NamedTuple):
     """
 
     contacts: ContactRows
-    """Kept contacts, with the same number of rows of ``CONTACT`` for each frame, shape (frames x room,)."""
+    """Kept contacts: ``room`` rows of ``CONTACT`` for each dwell frame, shape (frames x room,)."""
     sizes: IntArray
-    """Number of used rows of each frame, shape (frames,)."""
+    """Number of used rows of each dwell frame, shape (frames,)."""
     latest: IntArray
-    """Index of the latest frame, shape (1,); new frames overwrite old frames in turn."""
+    """Index of the latest dwell frame, shape (1,). A new dwell frame overwrites the oldest dwell frame."""
     clock: FloatArray
     """Four numbers, shape (4,):
 
-    - STOOD: age of the latest frame [s];
-    - LENGTH: least time of a frame [s];
+    - STOOD: age of the latest dwell frame [s];
+    - LENGTH: length of a dwell frame [s];
     - NOW: time since the first frame [s];
     - HAS_FORCES: 1 if the engine reports contact forces, else 0.
     """
     worklist: IntArray
-    """A list of bodies in each row: the number, then their rows, shape (7, 1 + room)."""
+    """A list of bodies in each row: their number, then their rows of ``BODY``, shape (7, 1 + room)."""
 
 
 def buffers_for(seconds: float, room: int, known: FrameBuffers | None = None) -> FrameBuffers:
-    """Return arrays for dwell frames that span ``seconds``, with a copy of the ``known`` content.
+    """Return arrays for dwell frames that span ``seconds``, and copy the ``known`` content.
 
-    Each frame has room for ``room`` contacts, and each list for ``room`` bodies.
+    Each dwell frame has room for ``room`` contacts, and each list has room for ``room`` bodies.
     """
     frames = max(1, math.ceil((seconds - ROUNDING_S) / FRAME_S))
     fresh = FrameBuffers(
@@ -110,7 +111,10 @@ def forget_contacts(bodies: Bodies, buffers: FrameBuffers) -> None:
 
 @compiled
 def next_frame(sizes: IntArray, latest: IntArray, clock: FloatArray, dt: float) -> None:
-    """Advance to the next dwell frame if the latest is ``FRAME_S`` old; else let this frame overwrite the latest."""
+    """Advance to the next dwell frame if the latest dwell frame is ``FRAME_S`` old.
+
+    Otherwise this frame overwrites the latest dwell frame.
+    """
     clock[NOW] += dt
     clock[STOOD] += dt
     clock[LENGTH] = max(dt, FRAME_S)
@@ -135,5 +139,5 @@ def listed(buffers: FrameBuffers, kind: int) -> IntArray:
 
 @compiled
 def frame_before(buffers: FrameBuffers, back: int) -> int:
-    """Return the index of the dwell frame that is ``back`` frames before the latest frame."""
+    """Return the index of the dwell frame that is ``back`` dwell frames before the latest dwell frame."""
     return int((buffers.latest[0] - back) % len(buffers.sizes))

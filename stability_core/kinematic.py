@@ -3,12 +3,14 @@
 Examples are lifts, doors and conveyor belts. A kinematic body is FIXED or MOVING:
 
 - FIXED: the body keeps its place and counts as ground. Bodies may freeze on it, and statics treats it as immovable.
-- MOVING: nothing may freeze on the body. Bodies that rested on it unfreeze in the frame in which it begins to move.
+- MOVING: no body may freeze on it. The bodies on a FIXED body unfreeze in the frame in which the FIXED body
+  begins to move.
 
-A kinematic body begins to move when its centre, or its surface below a frozen body, has moved by ``steady_shift`` sizes
-of the smallest body in contact with it so far. The body is FIXED again once it has kept its place for ``still_s``. In
-each frame the path of its surface grows by the greatest relative speed at its contacts with frozen bodies, times the
-length of the frame. The path of the surface reveals conveyor belts and turns about the centre.
+A kinematic body begins to move when its centre, or its surface below a frozen body, has moved by ``steady_shift`` times
+a size. This size belongs to the smallest body that has touched the kinematic body so far. The kinematic body is FIXED
+again once it has kept its place for ``still_s``. In each frame the path of the surface grows by the length of the frame
+times a speed. This speed is the greatest relative speed at the body's contacts with frozen bodies. The path of the
+surface reveals conveyor belts and turns about the centre.
 """
 
 from __future__ import annotations
@@ -26,7 +28,7 @@ from stability_core.stack import ABSENT, FIXED, FROZEN, LIVE, MOVING, Bodies
 def _keeps_place(row: Bodies, limits: Limits, dt: float) -> bool:
     """Return True if a kinematic body keeps its place.
 
-    Until another body touches the kinematic body, its place is its present centre.
+    Until another body touches the kinematic body, the place is the present centre of the kinematic body.
     """
     moved = 0.0
     for k in range(3):
@@ -45,9 +47,9 @@ def _keeps_place(row: Bodies, limits: Limits, dt: float) -> bool:
 
 @compiled
 def _begin(row: Bodies) -> bool:
-    """Make a body kinematic; return True if it is MOVING.
+    """Make a body kinematic, and return True if the body is MOVING.
 
-    A new body is FIXED. Any other body is MOVING, because its place is unknown.
+    A new body is FIXED. A body that was live is MOVING, because its motion in this frame is unknown.
     """
     row.state = FIXED if row.state == ABSENT else MOVING
     row.mass = np.inf
@@ -59,7 +61,7 @@ def _begin(row: Bodies) -> bool:
 
 @compiled
 def _follow(row: Bodies, limits: Limits, dt: float) -> bool:
-    """Set a kinematic body FIXED or MOVING by its motion; return True if it has just begun to move."""
+    """Set a kinematic body FIXED or MOVING by its motion, and return True if the body has just begun to move."""
     if _keeps_place(row, limits, dt):
         row.still_s += dt
         if row.still_s >= limits.still_s - ROUNDING_S:
@@ -82,10 +84,10 @@ def follow_host(bodies: Bodies, masses: MassArrays, limits: Limits, dt: float, m
         masses: m listed bodies, by their rows; kinematic bodies have infinite mass.
         limits: the settings.
         dt: time since the last frame [s].
-        moved: output, bodies that can no longer bear a frozen body, at least m rows.
+        moved: output, bodies that can no longer bear a frozen body, with room for at least m bodies.
 
     Returns:
-        Number of kinematic bodies; number of bodies written to ``moved``.
+        Number of kinematic bodies, and number of bodies written to ``moved``.
     """
     ids, mass, center = masses.body, masses.mass, masses.center
     kinematic, n = 0, 0
@@ -93,14 +95,14 @@ def follow_host(bodies: Bodies, masses: MassArrays, limits: Limits, dt: float, m
         row = bodies[ids[i]]
         was_kinematic = row.state == FIXED or row.state == MOVING
         begins = False
-        if np.isinf(mass[i]) and row.state != FROZEN:  # a frozen body is made live first
+        if np.isinf(mass[i]) and row.state != FROZEN:  # the extension first makes a frozen body live
             kinematic += 1
             begins = not was_kinematic and _begin(row)
             for k in range(3):
                 row.center[k] = center[i, k]
             begins = _follow(row, limits, dt) or begins
         elif was_kinematic:
-            row.state = ABSENT  # tracked from now on as a new body
+            row.state = ABSENT  # from now on, ``motion.track`` treats it as a new body
             begins = True
         if begins:
             moved[n] = ids[i]
@@ -110,15 +112,15 @@ def follow_host(bodies: Bodies, masses: MassArrays, limits: Limits, dt: float, m
 
 @compiled
 def list_carried(bodies: Bodies, contacts: ContactArrays, limits: Limits, dt: float, moved: IntArray, n: int) -> int:
-    """Record the contacts of kinematic bodies; list the frozen bodies that a kinematic body moves: O(contacts).
+    """Record the contacts of kinematic bodies, and list the frozen bodies that a kinematic body moves: O(contacts).
 
     Args:
         bodies: the table, after ``note_sizes``.
         contacts: c contacts between rows of the table.
         limits: the settings.
         dt: time since the last frame [s].
-        moved: output after the first ``n`` rows, at least c rows more.
-        n: number of rows already used.
+        moved: output after the first ``n`` bodies, with room for at least c bodies more.
+        n: number of bodies already in ``moved``.
 
     Returns:
         Number of bodies in ``moved``.
@@ -135,7 +137,7 @@ def list_carried(bodies: Bodies, contacts: ContactArrays, limits: Limits, dt: fl
             ):
                 continue
             if separation[i] > limits.contact_gap * touching.size:
-                continue  # never for an unknown (NaN) separation: it counts as touch
+                continue  # never for an unknown (NaN) separation, which counts as touch
             row.least_load = min(row.least_load, touching.size)
             if touching.state != FROZEN:
                 for k in range(3):

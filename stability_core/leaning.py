@@ -1,7 +1,7 @@
 """The leaning test (Thomsen and Kraus 2015, Eqs 3 and 5-7): a body stands on one contact and leans on a second contact.
 
-The paper's rule has a known weakness: it assumes that friction at the upper contact holds as much weight as possible.
-Therefore the rule accepts inverted Vs between 50 and 65 deg that must slip.
+The paper's rule has a known weakness: the rule assumes that friction at the upper contact holds as much weight as
+possible. Therefore the rule accepts some inverted Vs that must slip, with planks at 50 to 65 deg to the ground.
 """
 
 from __future__ import annotations
@@ -38,9 +38,9 @@ def torque_induced_force(weight: FloatArray, center: FloatArray, pivot: FloatArr
 
     Args:
         weight: gravitational force G on the body and its loads [N], shape (3,).
-        center: point at which G acts [m], shape (3,).
-        pivot: pivot point [m], shape (3,).
-        contact: centre of the leaning contact's area [m], shape (3,).
+        center: C_stack [m], at which G acts, shape (3,).
+        pivot: P_pivot [m], shape (3,).
+        contact: C_contact [m], the centre of the leaning contact's area, shape (3,).
     """
     torque = _cross(center - pivot, weight)
     lever = contact - pivot
@@ -58,8 +58,8 @@ def split_force(force: FloatArray, normal: FloatArray) -> tuple[FloatArray, Floa
     F_sliding = F - F_normal.
 
     Args:
-        force: force of the body on the contact [N], shape (3,).
-        normal: unit normal towards the body, shape (3,).
+        force: force F of the body on the contact [N], shape (3,).
+        normal: unit normal of the contact towards the body, shape (3,).
     """
     normal_force = normal * min(0.0, _dot(force, normal))
     return normal_force, force - normal_force
@@ -76,15 +76,21 @@ def holds_on_pivot(
 ) -> bool:
     """Return True if the pivot does not slip under its part of the load (Eqs 6 and 7).
 
-    The leaning contact bears F_normal and a friction against the sliding direction, |F_friction| = mu |F_normal|
-    (Eq. 6). The pivot bears F_pivot = -F_normal + G - F_friction (Eq. 7). The body is stable if and only if the
-    friction at the pivot exceeds the sliding force at the pivot.
+    The leaning contact bears the normal force F_normal and, by friction, a force F_friction along the sliding force:
+
+    |F_friction| = mu |F_normal|    (Eq. 6)
+
+    The pivot bears the rest of the weight G:
+
+    F_pivot = -F_normal + G - F_friction    (Eq. 7)
+
+    The test requires that the greatest friction at the pivot exceeds the sliding force of F_pivot.
 
     Args:
-        weight: G [N], shape (3,).
+        weight: gravitational force G on the body and its loads [N], shape (3,).
         force: torque-induced force on the leaning contact [N], shape (3,).
         normal: unit normal of the leaning contact towards the body, shape (3,).
-        friction: Coulomb coefficient of the leaning contact.
+        friction: Coulomb coefficient mu of the leaning contact.
         pivot_normal: unit normal of the pivot towards the body, shape (3,).
         pivot_friction: Coulomb coefficient of the pivot.
     """
@@ -103,7 +109,7 @@ def leans_stably(graph: Graph, body: int, gravity: float) -> bool:
 
     Args:
         graph: the stack.
-        body: a body with present patches.
+        body: row of a body with up-to-date patches.
         gravity: gravitational acceleration [m/s2], positive.
     """
     if count_patches(graph, body) != 2:

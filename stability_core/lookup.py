@@ -1,4 +1,4 @@
-"""Look up a name in a table. The error for an unknown name gives the nearest match and all allowed names."""
+"""Look up a name in a table. The error for an unknown name lists the allowed names."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ Item = TypeVar("Item")
 
 
 class UnknownNameError(LookupError):
-    """Error for an unknown name; the message gives the nearest match and all allowed names."""
+    """Error for an unknown name. The message suggests a similar name, if any, and lists the allowed names."""
 
 
 def unknown_name(kind: str, name: str, allowed: Iterable[str]) -> UnknownNameError:

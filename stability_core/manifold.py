@@ -1,9 +1,9 @@
 """Contact manifolds: unite the points of a pair over the dwell frames into contact patches.
 
 The manifold of a single frame is often degenerate. For example, a brick on two bricks has 4 + 4 points in one frame. In
-the next frame, tilted by micrometres, the brick has 1 or 2 points. The hull of the points of several frames is the true
-contact area. A pair that touches in several faces (two walls of one ground, a bracket) has a patch for each face,
-because the module groups points by their normals.
+the next frame, tilted by micrometres, the brick has 1 or 2 points. The hull of the points of several frames
+approximates the true contact area. The module groups the points of a pair by their normals. Therefore a pair that
+touches in several faces (two walls of one ground, a bracket) has a patch for each face.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ from stability_core.stack import (
 from stability_core.upright import turned
 
 ENOUGH_VERTICES = 4
-"""Number of vertices that ``_thinned`` always keeps, because a box stands on four vertices."""
+"""Number of vertices at which ``_thinned`` stops, because a box stands on four vertices."""
 NEGLIGIBLE = 1e-3
-"""Share of a patch's area below which ``_thinned`` drops a vertex, because the points of several frames scatter and
-each vertex costs time."""
+"""Share of a patch's area below which ``_thinned`` drops a vertex, because the points of several frames scatter,
+and each vertex costs time."""
 _LOAD, _FILED = -1, -2
 """Further kinds of contacts:
 
@@ -80,7 +80,7 @@ def _thinned(hull: FloatArray) -> FloatArray:
 def shape_patch(patch: Patches, points: FloatArray) -> None:
     """Write the hull of contact points (k, 3), its centre and its width to a patch with known kind and normal.
 
-    A load-bearing patch has the hull in plan. A steep patch has the hull in its own plane.
+    A load-bearing patch has the hull in plan. Any other patch has the hull in its own plane.
     """
     if patch.kind == SUPPORT:
         hull = _thinned(convex_hull(points))
@@ -126,7 +126,7 @@ def _lay_patch(graph: Graph, contacts: ContactRows, rows: IntArray, body: int, o
 
 @compiled
 def _kind_for(contact: ContactRows, body: int) -> int:
-    """Return SUPPORT if ``body`` stands on its partner, LEAN if it leans, _LOAD if the partner stands on it."""
+    """Return SUPPORT if ``body`` stands on its partner, LEAN if ``body`` leans, _LOAD for a partner on ``body``."""
     if not contact.level:
         return LEAN
     return SUPPORT if upper_of(contact.body_a, contact.body_b, contact.normal[2]) == body else _LOAD
@@ -146,16 +146,16 @@ def _share_a_face(first: ContactRows, second: ContactRows, face_angle: float) ->
 def lay_patches(graph: Graph, contacts: ContactRows, mine: IntArray, body: int, face_angle: float) -> None:
     """Rebuild the patches of ``body`` on its supports and leaning partners in ``contacts``.
 
-    A frozen body gets patches on the stack only (ground and frozen bodies), because a frozen body keeps its patches.
-    Frozen bodies that stand on a frozen ``body`` get patches on it as well. The cost is O(n times neighbours),
-    independent of the height of the stack.
+    A frozen body gets patches on the stack only (ground, FIXED bodies and frozen bodies), because a frozen body keeps
+    its patches. Frozen bodies that stand on a frozen ``body`` also get patches on this body. The cost is O(n times
+    neighbours), independent of the height of the stack.
 
     Args:
         graph: the stack, with at least n spare patches.
         contacts: rows of ``CONTACT``.
         mine: the contacts that touch the body, shape (n,).
         body: row of the body.
-        face_angle: greatest angle [rad] between two normals of a face.
+        face_angle: greatest angle [rad] between the normals of two contacts on one face.
     """
     drop_supports(graph, body)
     bodies, row = graph.bodies, graph.bodies[body]
@@ -190,7 +190,7 @@ def lay_patches(graph: Graph, contacts: ContactRows, mine: IntArray, body: int, 
 
 @compiled
 def _contacts_of(graph: Graph, buffers: FrameBuffers, ids: IntArray, frames: int) -> tuple[IntArray, IntArray]:
-    """Return the contacts of each of ``ids`` in the last ``frames`` frames, oldest first: O(contacts).
+    """Return the contacts of each body in ``ids`` in the last ``frames`` dwell frames, oldest first: O(contacts).
 
     Returns:
         Two arrays:
@@ -212,7 +212,7 @@ def _contacts_of(graph: Graph, buffers: FrameBuffers, ids: IntArray, frames: int
             for body in (contacts[row].body_a, contacts[row].body_b):
                 if body == GROUND:
                     continue
-                place = bodies[body].place  # may be left over from another list
+                place = bodies[body].place  # perhaps left over from another list
                 if place < k and ids[place] == body:
                     rows[found], owner[found] = row, place
                     start[place + 1] += 1
@@ -229,7 +229,7 @@ def _contacts_of(graph: Graph, buffers: FrameBuffers, ids: IntArray, frames: int
 
 @compiled
 def lay_all(graph: Graph, buffers: FrameBuffers, ids: IntArray, frames: int, face_angle: float) -> None:
-    """Call ``lay_patches`` for each of ``ids`` with the last ``frames`` frames, and record the bodies as loads."""
+    """Rebuild the patches of the bodies ``ids`` from the last ``frames`` dwell frames, and mark the bodies as loads."""
     if len(ids) == 0:
         return
     start, rows = _contacts_of(graph, buffers, ids, frames)
@@ -245,7 +245,7 @@ def lay_all(graph: Graph, buffers: FrameBuffers, ids: IntArray, frames: int, fac
 
 @compiled
 def lift(graph: Graph, body: int) -> None:
-    """Remove the patches of a live body that no longer lies on the bodies below."""
+    """Remove the patches of a live body on its supports, because the body no longer lies on them."""
     drop_supports(graph, body)
     graph.bodies[body].is_load = False
 

@@ -14,10 +14,10 @@ from stability_core.stack import ABSENT, DOUBTED, FALLS, FROZEN, LIVE, NOT_REFUS
 
 @compiled
 def track(bodies: Bodies, masses: MassArrays, dt: float) -> int:
-    """Read mass, centre and speed of the live bodies; a speed is the difference of two centres over ``dt``.
+    """Update mass, centre and speed of the live bodies.
 
-    A new body counts as infinitely fast, because its speed is unknown. ``kinematic.follow_host`` updates kinematic
-    bodies.
+    The speed is the distance between the centres in this frame and in the last frame, over ``dt`` [s]. A new body
+    counts as infinitely fast, because its speed is unknown. ``kinematic.follow_host`` updates kinematic bodies.
 
     Returns:
         Number of frozen bodies in ``masses``.
@@ -65,9 +65,10 @@ def _squared_distance(a: FloatArray, b: FloatArray) -> float:
 
 @compiled
 def _turns(body: Bodies, limits: Limits) -> bool:
-    """Return True if kinematic bodies have turned a body on them by ``steady_shift`` [rad] since the last such turn.
+    """Return True if the kinematic bodies below a body have turned it by more than ``steady_shift``, here in rad.
 
-    The turn counts as motion, although the body's centre may keep its place, and its contacts do not slide.
+    The angle counts from the last frame with the result True. A turn counts as motion, because the body's centre may
+    keep its place, and its contacts may not slide.
     """
     length = 0.0
     for k in range(3):
@@ -87,7 +88,7 @@ def _turns(body: Bodies, limits: Limits) -> bool:
 
 @compiled
 def _time_in_place(body: Bodies, limits: Limits, fall_speed: float, turns: bool, dt: float) -> None:
-    """Measure the time for which a live body has kept its place: in all, and with the same neighbours."""
+    """Measure the time for which a live body has kept its place, and the time for which it also kept its neighbours."""
     shift = limits.steady_shift * body.size
     if (
         not turns
@@ -103,7 +104,7 @@ def _time_in_place(body: Bodies, limits: Limits, fall_speed: float, turns: bool,
     has_lost = False
     body.lately |= body.neighbours
     body.lately_s += dt
-    if body.lately_s >= limits.rest_s - ROUNDING_S:  # so that a trembling contact is not lost
+    if body.lately_s >= limits.rest_s - ROUNDING_S:  # so that a trembling contact does not count as lost
         has_lost = (body.steady_neighbours & ~body.lately) != 0
         body.lately, body.lately_s = body.neighbours, 0.0
     has_gained = (body.neighbours & ~body.steady_neighbours) != 0
@@ -119,10 +120,15 @@ def _time_in_place(body: Bodies, limits: Limits, fall_speed: float, turns: bool,
 
 @compiled
 def time_at_rest(bodies: Bodies, ids: IntArray, limits: Limits, dt: float) -> None:
-    """Measure the time for which each live body has been at rest, by each of three rules, and has kept its place.
+    """Measure the times for which each live body has been at rest, and the times for which it has kept its place.
 
-    The rules are: strictly at rest, at rest by the rule for leaning, and slow enough to lie on a support. A body
-    without any contact so far has size zero, so that no speed counts as slow.
+    Three rules of rest have a time each:
+
+    - ``rest_s``: strictly at rest;
+    - ``lean_s``: at rest by the rule for leaning;
+    - ``load_s``: slow enough to lie on a support.
+
+    A body without any contact so far has size zero, so that no speed above zero counts as slow.
     """
     for i in range(len(ids)):
         body = bodies[ids[i]]
@@ -156,8 +162,8 @@ def time_at_rest(bodies: Bodies, ids: IntArray, limits: Limits, dt: float) -> No
 def _is_asked(elapsed: float, dwell: float, again: float, dt: float, rarely: bool, deferred: bool) -> bool:
     """Return True if this frame must test a body: at ``elapsed`` = ``dwell`` [s], then every ``again`` [s].
 
-    With ``rarely``, the tests are 1, 2, 4, 8, ... times ``again`` after the first test. For a ``deferred`` body, the
-    result is True in every frame after ``dwell``.
+    With ``rarely``, the further tests are at ``dwell`` plus 1, 2, 4, 8, ... times ``again``. For a ``deferred`` body,
+    the result is True in every frame after ``dwell``.
     """
     late = elapsed - dwell + ROUNDING_S
     if late < dt or deferred:
@@ -173,7 +179,7 @@ def _patience(body: Bodies, limits: Limits) -> float:
     """Return the additional rest time [s] of a body.
 
     The time is ``calm_s`` after two unfreezings, and doubles at each further unfreezing, up to ``longest_calm_s``. The
-    time grows because a body that unfreezes repeatedly in its place lies in a pile that still moves.
+    time grows because a body that unfreezes repeatedly in its place usually lies in a pile that still moves.
     """
     if body.wakes < 2:
         return 0.0
@@ -184,24 +190,25 @@ def _patience(body: Bodies, limits: Limits) -> float:
 def list_due(
     bodies: Bodies, ids: IntArray, limits: Limits, dt: float, at_rest: IntArray, leaning: IntArray
 ) -> tuple[int, int]:
-    """List the bodies that need a decision about their stability now; return the lengths of both lists.
+    """List the bodies that need a decision about their stability now, and return the lengths of both lists.
 
-    If the policy does not freeze a listed body, the function lists the body again:
+    If the policy does not freeze a listed body, the function lists the body again after a wait:
 
-    - a deferred body in the next frame;
-    - a refused body every ``rest_s``;
-    - a body that would fall after 1, 2, 4, 8, ... times ``rest_s``, while its frozen neighbours stay the same;
-    - a body in doubt once the body and its neighbours have kept their places for ``doubt_s``.
+    - for a deferred body: until the next frame;
+    - for a body that the policy refused: ``rest_s``;
+    - for the refusal FALLS: 1, 2, 4, 8, ... times ``rest_s``, while the body's frozen neighbours stay the same;
+    - for the refusal DOUBTED: until the body has kept its place and its neighbours for ``doubt_s``.
 
-    The last two waits are long, because solves are expensive.
+    The last two waits are long, because solves are expensive. After a change of the frozen neighbours, these waits are
+    ``rest_s`` too.
 
     Args:
         bodies: the table.
         ids: the live bodies, shape (m,).
         limits: the settings.
         dt: time since the last frame [s].
-        at_rest: output, bodies at rest, at least m rows.
-        leaning: output, bodies at rest by the rule for leaning, at least m rows.
+        at_rest: output, bodies at rest, with room for at least m bodies.
+        leaning: output, bodies at rest by the rule for leaning, with room for at least m bodies.
     """
     n, m = 0, 0
     for i in range(len(ids)):
@@ -230,16 +237,17 @@ def list_due(
 def list_shifted_loads(
     bodies: Bodies, ids: IntArray, limits: Limits, lying: IntArray, gone: IntArray
 ) -> tuple[int, int]:
-    """List the live bodies with outdated patches; return the lengths of both lists.
+    """List the live bodies with outdated patches, and return the lengths of both lists.
 
-    A load that has kept its place for ``doubt_s`` is listed once more, because a joint solve can decide from then on.
+    After a load has kept its place for ``doubt_s``, the function lists the load once more. From then on, a joint solve
+    of the load with the stack can decide.
 
     Args:
         bodies: the table.
         ids: the live bodies, shape (m,).
         limits: the settings.
-        lying: output, bodies that newly lie on the stack, at least m rows.
-        gone: output, bodies that no longer lie on the stack, at least m rows.
+        lying: output, bodies that newly lie on the stack, with room for at least m bodies.
+        gone: output, bodies that no longer lie on the stack, with room for at least m bodies.
     """
     n, m = 0, 0
     for i in range(len(ids)):

@@ -1,6 +1,6 @@
 """Convex polygons in plan: hull, distance, width and centroid of contact points.
 
-Points have the shape (n, 3) [m]. Only x and y count, and the functions copy z.
+Points have the shape (n, 3) [m]. The functions compute with x and y. Vertices and centroids also have z.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ the sorting alone is faster."""
 
 @compiled
 def _turn(points: FloatArray, a: int, b: int, c: int) -> float:
-    """Return twice the signed area of the plan triangle of rows a, b, c; positive for a left turn."""
+    """Return twice the signed area of the plan triangle of rows a, b, c. A left turn has a positive area."""
     ax, ay = points[a, 0], points[a, 1]
     return float((points[b, 0] - ax) * (points[c, 1] - ay) - (points[b, 1] - ay) * (points[c, 0] - ax))
 
@@ -52,7 +52,8 @@ def _outer_rows(points: FloatArray) -> IntArray:
 def _ranked_in_plan(points: FloatArray) -> IntArray:
     """Return the rows of the points, sorted by x, then by y, without equal points.
 
-    For more than ``MANY`` points, the result contains only points that may be corners of the hull.
+    For more than ``MANY`` points, the result leaves out the points inside an octagon (``_outer_rows``), because they
+    are no corners of the hull.
     """
     if len(points) > MANY:
         rows = _outer_rows(points)
@@ -62,7 +63,7 @@ def _ranked_in_plan(points: FloatArray) -> IntArray:
         rows = np.arange(len(points))
     ranked = np.empty(len(rows), np.int64)
     size = 0
-    for row in rows:  # insertion sort, because manifolds are short; sorted rows take O(n)
+    for row in rows:  # insertion sort, because manifolds are short, and sorted rows take O(n)
         x, y = points[row, 0], points[row, 1]
         place = size
         while place > 0 and (
@@ -80,7 +81,7 @@ def _ranked_in_plan(points: FloatArray) -> IntArray:
 
 @compiled
 def _hull_rows(points: FloatArray) -> IntArray:
-    """Return the rows of ``convex_hull``, shape (k,)."""
+    """Return the rows of the hull's vertices in ``points``, shape (k,), counter-clockwise."""
     ranked = _ranked_in_plan(points)
     n = len(ranked)
     if n < 3:
@@ -117,7 +118,7 @@ def convex_hull(points: FloatArray) -> FloatArray:
 
 @compiled
 def _foot(x: float, y: float, a: FloatArray, b: FloatArray) -> float:
-    """Return the parameter of the point of a segment a b nearest to (x, y): 0 at a, 1 at b."""
+    """Return the parameter, 0 at a and 1 at b, of the nearest point to (x, y) on the segment from a to b."""
     dx, dy = b[0] - a[0], b[1] - a[1]
     length2 = dx * dx + dy * dy
     if length2 > 0.0:
@@ -146,7 +147,7 @@ def nearest_point(hull: FloatArray, x: float, y: float) -> tuple[float, float]:
 
 @compiled
 def is_inside(hull: FloatArray, x: float, y: float) -> bool:
-    """Return True if (x, y) lies in the hull (n, 3) or on its border; False for a point or a line."""
+    """Return True if (x, y) lies in the hull (n, 3) or on its border, and False for a point or a line."""
     n = len(hull)
     for i in range(n):
         ax, ay = hull[i, 0], hull[i, 1]
@@ -158,16 +159,16 @@ def is_inside(hull: FloatArray, x: float, y: float) -> bool:
 
 @compiled
 def lies_on(hull: FloatArray, x: float, y: float) -> bool:
-    """Return True if (x, y) lies in the hull (n, 3) or on its border; a point or a line counts as border."""
+    """Return True if (x, y) lies in the hull (n, 3) or on its border. A point or a line counts as border."""
     return is_inside(hull, x, y) if len(hull) > 2 else bool(inside_distance(hull, x, y) == 0.0)
 
 
 @compiled
 def inside_distance(hull: FloatArray, x: float, y: float) -> float:
-    """Return the distance [m] from (x, y) to the border of the hull; positive inside, negative outside.
+    """Return the distance [m] from (x, y) to the border of the hull: positive inside, negative outside.
 
-    The vertical ray test uses this distance: a vertical ray from the centre of mass hits the contact area if and only
-    if the distance is >= 0. Without points the distance is minus infinity. A point or a line has no inside.
+    The distance is >= 0 if and only if a vertical ray through (x, y) hits the hull. Without points, the distance is
+    minus infinity. A point or a line has no inside.
     """
     n = len(hull)
     if n == 0:
@@ -180,7 +181,7 @@ def inside_distance(hull: FloatArray, x: float, y: float) -> float:
 
 @compiled
 def width(hull: FloatArray) -> float:
-    """Return the least width [m] of the hull in plan; zero for a point or a line."""
+    """Return the least width [m] of the hull in plan, or zero for a point or a line."""
     n = len(hull)
     if n < 3:
         return 0.0
@@ -197,7 +198,10 @@ def width(hull: FloatArray) -> float:
 
 @compiled
 def centroid(hull: FloatArray) -> tuple[float, float, float]:
-    """Return the area centroid of the hull in plan, at the mean height of the vertices; for a line, the middle."""
+    """Return the area centroid of the hull in plan, at the mean height of the vertices.
+
+    For a point or a line, the result is the mean of the vertices.
+    """
     n = len(hull)
     x, y, z = 0.0, 0.0, 0.0
     for i in range(n):

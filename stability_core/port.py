@@ -1,9 +1,9 @@
-"""The core's view of a physics engine: contacts, sleep and mass, and nothing else.
+"""The core's view of a physics engine: contacts, sleep and mass.
 
-- Values are in SI units, in the coordinates of the engine. Each field is a float64 array. Gravity defines the vertical.
-- Body ids are integers from 0, of any size. The host must not reuse an id. Memory grows with the number of bodies in
-  the world, not with the greatest id.
-- "Sleep" is an exact freeze: a frozen body does not move at all, even after a blow.
+- Values are float64 arrays in SI units, in the coordinates of the engine. Gravity defines the vertical.
+- Body ids are 64-bit integers from 0. The host must not reuse an id. Memory grows with the number of bodies in the
+  world, not with the greatest id.
+- "Sleep" is an exact freeze: a frozen body does not move until ``wake``, even after a blow.
 """
 
 from __future__ import annotations
@@ -20,39 +20,40 @@ IntArray: TypeAlias = npt.NDArray[np.int64]
 BoolArray: TypeAlias = npt.NDArray[np.bool_]
 
 GROUND = -1
-"""Id of everything that never moves and was never spawned: floor, table, walls.
+"""Id of the ground: all objects that do not move in the simulation, such as floor, table and walls.
 
-A body that the host will ever move (a lift, a door, a conveyor belt) has its own id and infinite mass, see ``Masses``.
-If a part of the ground does start to move, list it as a body of infinite mass from then on, and pass the bodies that
-rest on it to ``StabilityExtension.wake``.
+A body that the host moves (a lift, a door, a conveyor belt) has its own id and infinite mass, see ``Masses``. If a part
+of the ground starts to move, list this part as a body of infinite mass from then on. Pass the bodies that rest on this
+part to ``StabilityExtension.wake``.
 """
 
 
 @dataclass(frozen=True, slots=True)
 class Contacts:
-    """The contact points of one frame, a row for each point: every contact of a live body.
+    """All contact points of the live bodies in one frame, with one row for each point.
 
-    Only ``separation`` and ``relative_velocity`` may contain NaN, for values that an engine does not report.
+    ``separation`` and ``relative_velocity`` may contain NaN, for values that an engine does not report. Other fields
+    must be finite.
     """
 
     body_a: IntArray
-    """First body of the pair, shape (n,); ``GROUND`` or a body id."""
+    """First body of the pair, a body id or ``GROUND``, shape (n,)."""
     body_b: IntArray
-    """Second body of the pair, shape (n,)."""
+    """Second body of the pair, a body id or ``GROUND``, shape (n,)."""
     point: FloatArray
     """Contact points [m] in the coordinates of the engine, shape (n, 3)."""
     normal: FloatArray
     """Unit normals pointing from body a to body b, shape (n, 3)."""
     separation: FloatArray
-    """Signed distance [m], shape (n,); negative is penetration."""
+    """Signed distance [m] at the point, shape (n,). A negative distance is a penetration."""
     relative_velocity: FloatArray
-    """Velocity [m/s] of b against a at the point, before the solver stops the approach, shape (n, 3): the velocity
-    of the fastest approach over the frame's substeps."""
+    """Velocity [m/s] of b against a at the point, shape (n, 3), before the solver stops the approach. With several
+    substeps per frame, give the velocity of the fastest approach."""
     friction: FloatArray
     """Coulomb coefficient of the pair, shape (n,)."""
     force: FloatArray | None = None
-    """Force [N] on body b at each point, mean over the frame's substeps, shape (n, 3); the opposite force acts on body
-    a. The force is zero at points that are listed but do not touch. None if the engine reports no forces."""
+    """Force [N] on body b at each point, mean over the frame's substeps, shape (n, 3). The opposite force acts on body
+    a. A listed point without touch has zero force. The field is None if the engine reports no forces."""
 
     @classmethod
     def empty(cls) -> Contacts:
@@ -73,12 +74,12 @@ class Contacts:
 class Masses:
     """Mass and centre of mass of the live bodies, and the bodies that have left the world.
 
-    The port may leave out frozen bodies, because they do not move and the core remembers them. If a listed frozen body
+    The port may leave out frozen bodies, because the core remembers their mass and place. If a listed frozen body
     has moved, the core makes the body live. If the mass of a listed frozen body has changed, the core judges the stack
     with the new mass.
 
-    A body that the host moves has infinite mass. List this body in every frame, even while nothing else is live, so
-    that the core sees its motion. While the body keeps its place, it counts as ground. When the body begins to move,
+    A body that the host moves has infinite mass. List this body in every frame, even while all other bodies are frozen,
+    so that the core sees its motion. While the body keeps its place, it counts as ground. When the body begins to move,
     all bodies on it unfreeze. A body that moves in its place, such as a belt or a turntable, must show this motion at
     its contacts with frozen bodies (``Contacts.relative_velocity``). If the engine does not list these contacts, pass
     the body to ``StabilityExtension.wake``.
@@ -87,15 +88,15 @@ class Masses:
     body: IntArray
     """Body ids, shape (m,)."""
     mass: FloatArray
-    """Masses [kg], shape (m,), positive; infinite for bodies that the host moves."""
+    """Masses [kg], positive, shape (m,). A body that the host moves has infinite mass."""
     center_of_mass: FloatArray
     """Centres of mass [m], shape (m, 3)."""
     removed: Sequence[int] = ()
-    """Ids that left the world since the last call, shape (k,)."""
+    """Ids of bodies that left the world since the last call, shape (k,)."""
 
 
 class StabilityPort(Protocol):
-    """The four calls through which the core reads and controls an engine."""
+    """The four methods through which the core reads and controls an engine."""
 
     def contacts(self) -> Contacts:
         """Return every contact of a live body after the latest step."""

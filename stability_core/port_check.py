@@ -1,4 +1,4 @@
-"""Check a user's own port against the promises of ``StabilityPort``. Error messages name the fix."""
+"""Check a user's port against the promises of ``StabilityPort``. Error messages name the fix."""
 
 from __future__ import annotations
 
@@ -24,33 +24,38 @@ from stability_core.validation import (
 )
 
 APART = 0.1
-"""Ratio of the separation of a body's contacts with the ground to the distance from its centre to the contacts, above
-which the body cannot rest there."""
+"""Ratio to a body's size. Above this ratio, a separation from the ground contradicts rest, and a move in the first
+frame after ``wake`` contradicts an exact freeze."""
 STOPPED = 1e-3
-"""Ratio of a body's motion in one frame to its size, up to which the body counts as at rest."""
+"""Ratio of a body's motion in one frame to its size, up to which the body counts as at rest. ``Settings.rest_speed``
+allows about the same motion of the paper's plank at 60 Hz."""
 SAME = 1e-6
-"""Ratio of a change of a frozen body's position to the body's size, or of its mass to its former mass, up to which the
-value counts as unchanged, because single precision rounds by less."""
+"""Ratio up to which a value of a frozen body counts as unchanged: change of position to size, or change of mass to
+former mass. The ratio exceeds 6e-8, because single precision rounds by this ratio."""
 ASLEEP = 10
-"""Number of frames for which the check freezes a body. In free fall, the body would move by 14 cm in this time."""
+"""Number of frames for which the check freezes a body. In free fall at 60 Hz, the body would move by
+14 cm in this time."""
 
 Step: TypeAlias = Callable[[], object]
 
 
 class PortError(ValueError):
-    """Error for a port that breaks a promise; the message states the promise, the observation and the fix."""
+    """Error for a port that breaks a promise. The message states the promise, the observation and the fix."""
 
 
 def check_port(port: StabilityPort, step: Step, frames: int = 120) -> list[str]:
     """Check a port on your own simulation: array shapes, signs of normals and separations, and exact freezing.
 
-    The check steps the simulation. A body must come to rest on the ground, or on anything else that never moves. The
-    check freezes this body for ``ASLEEP`` frames, and unfreezes the body again.
+    The check steps the simulation. A body must come to rest on the ground, for example on a table with the id
+    ``GROUND``. The check freezes this body for ``ASLEEP`` frames, and unfreezes the body again.
 
     Args:
         port: the port, without an extension.
         step: function that advances the simulation by one frame.
         frames: number of frames within which a body comes to rest.
+
+    Returns:
+        Lines of text with the findings.
 
     Raises:
         PortError: at the first broken promise.
@@ -112,7 +117,7 @@ def _on_ground(contacts: Contacts, body: int) -> IntArray:
 
 
 def _resting_body(contacts: Contacts, before: Masses | None, masses: Masses) -> tuple[int, float]:
-    """Return the body on the ground that moves least, and the distance [m] from its centre to its ground contacts.
+    """Return the body on the ground that moves least, and its size [m]: from its centre to its farthest ground contact.
 
     Raises:
         PortError: if no body touches the ground, or no body on the ground is at rest.
@@ -153,7 +158,7 @@ def _check_resting_contacts(contacts: Contacts, masses: Masses, body: int, size:
     known = separation[np.isfinite(separation)]
     if len(known) and np.abs(known).min() > APART * size:
         raise PortError(
-            f"body {body} rests on the ground, so that its separations there must be near 0 m, got "
+            f"separations between the ground and body {body} at rest must be near 0 m, got "
             f"{known.round(6).tolist()} m: give the signed distance in metres, negative for an overlap, or NaN if the "
             "engine does not report the distance"
         )
@@ -173,7 +178,7 @@ def _check_sleep(port: StabilityPort, step: Step, body: int, size: float) -> lis
         )
     lines = []
     port.sleep((body,))
-    port.sleep((body,))  # frozen already: must do nothing
+    port.sleep((body,))  # a second call must change nothing
     for _ in range(ASLEEP):
         step()
         seen = _row_of(port.masses(), body)
@@ -185,7 +190,7 @@ def _check_sleep(port: StabilityPort, step: Step, body: int, size: float) -> lis
             )
     if seen is None:
         lines.append(
-            "masses() leaves out frozen bodies, so that the check compared the position of the body only after wake()"
+            "masses() leaves out frozen bodies, and therefore the check compared the body's positions only after wake()"
         )
     port.wake((body,))
     step()
@@ -211,7 +216,7 @@ def _check_sleep(port: StabilityPort, step: Step, body: int, size: float) -> lis
 
 
 def _row_of(masses: Masses, body: int) -> tuple[float, FloatArray] | None:
-    """Return mass [kg] and centre of mass [m], (3,), of a listed body; None for a body that is not in the list."""
+    """Return mass [kg] and centre of mass [m], (3,), of a listed body, or None if ``masses`` lacks the body."""
     rows = np.flatnonzero(masses.body == body)
     return (
         None if len(rows) == 0 else (float(masses.mass[rows[0]]), np.array(masses.center_of_mass[rows[0]], np.float64))

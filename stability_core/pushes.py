@@ -6,7 +6,10 @@ force that only the engine knows. If the engine reports contact forces, two kind
 - forces at contacts that are not load-bearing;
 - all forces of bodies that the user holds or the host moves.
 
-The module averages the force over ``load_s``, so that a short bump does not count.
+The forces of a live body faster than ``load_speed`` do not count. The module averages the force over ``load_s``, so
+that a short bump does not count. In each frame of length dt, the contact force f changes the mean push p:
+
+p <- (1 - w) p + w f,    w = min(1, dt / load_s)
 """
 
 from __future__ import annotations
@@ -20,8 +23,8 @@ from stability_core.settings import ROUNDING_S, Limits
 from stability_core.stack import FROZEN, LIVE, MOVING, Bodies
 
 CHANGE = 0.2
-"""Ratio of the change of a push to the sum of the body's weight and the push, above which the core judges the body's
-balance again."""
+"""Ratio of the change of a push to the sum of the body's weight and the push. Above this ratio, the core judges the
+body's balance again, because smaller changes may be noise of the engine's forces."""
 
 
 @compiled
@@ -39,7 +42,7 @@ def is_push(bodies: Bodies, pusher: int, level: bool, limits: Limits) -> bool:
 
 @compiled
 def _begin(row: Bodies, limits: Limits, now: float, weight: float) -> None:
-    """Prepare the mean push for a frame with the share ``weight`` in the mean; drop a push older than ``load_s``."""
+    """Prepare the mean push for a frame with the ``weight`` in the mean, and drop a push older than ``load_s``."""
     if now - row.pushed_s > limits.load_s:
         row.push[:], row.push_judged[:], row.push_judged_s, row.push_began_s = 0.0, 0.0, now, now
     row.pushed_s = now
@@ -69,15 +72,15 @@ def _is_due(row: Bodies, limits: Limits, now: float) -> bool:
 
 @compiled
 def list_pushed(bodies: Bodies, contacts: ContactRows, limits: Limits, now: float, dt: float, pushed: IntArray) -> int:
-    """List the frozen bodies on which a push has changed, or lasts: O(n).
+    """List the frozen bodies on which a push has changed, or has lasted ``still_s``: O(n).
 
     Args:
         bodies: the table.
-        contacts: contacts of the latest frame that count, shape (n,).
+        contacts: kept contacts of the latest frame, shape (n,).
         limits: the settings.
         now: time since the first frame [s].
         dt: length of a frame [s].
-        pushed: output, at least 2 n rows.
+        pushed: output, with room for at least 2 n bodies.
 
     Returns:
         Number of listed bodies.

@@ -1,9 +1,9 @@
-"""Rows of the tables by body id: memory grows with the number of bodies in the world, not with the greatest id.
+"""Rows of the table of bodies by id. Memory grows with the number of bodies in the world, not with the greatest id.
 
 A hash table with linear probing, at most half full, holds the ids (Knuth, The Art of Computer Programming 3, 6.4). When
-a body leaves the world, later entries of the hash table move up to close the gap (Algorithm R), and a new body may get
-the row. Bodies get rows in order of appearance, by rising id within a frame. While no body leaves, bodies 0, 1, 2 ...
-have rows 0, 1, 2 ...
+a body leaves the world, later entries of the hash table move up to close the gap (Algorithm R). A new body may get the
+row of the body that left. Bodies get rows in order of appearance, by rising id within a frame. If bodies 0, 1, 2 ...
+appear in this order and no body leaves, they have rows 0, 1, 2 ...
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from stability_core.stack import NONE, sorted_ids
 UNKNOWN = -2
 """Row of an unknown body."""
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
-"""2^64 over the golden ratio, because its multiples spread ids in sequence evenly (Fibonacci hashing)."""
+"""2^64 over the golden ratio, because multiples of this number spread consecutive ids evenly (Fibonacci hashing)."""
 _HALF = np.uint64(32)
 
 
@@ -27,7 +27,7 @@ class Rows(NamedTuple):
     """The row of each body in ``Graph.bodies``."""
 
     slots: IntArray
-    """Id and row, shape (2**k, 2); the id is NONE in a free slot."""
+    """Id and row of a body in each slot, shape (2**k, 2). The id is NONE in a free slot."""
     spare: IntArray
     """Free rows: their number, then the rows, shape (1 + rows,). A new body takes the last of these rows."""
 
@@ -42,7 +42,7 @@ def _home(slots: IntArray, body: int) -> np.int64:
 
 @compiled
 def _slot_of(slots: IntArray, body: int) -> int:
-    """Return the slot of a body; the free slot for the body if the body has no row."""
+    """Return the slot of a body, or the free slot for a body without a row."""
     last = len(slots) - 1
     at = _home(slots, body)
     while slots[at, 0] != body and slots[at, 0] != NONE:
@@ -70,7 +70,7 @@ def find_rows(slots: IntArray, ids: IntArray, rows: IntArray) -> int:
 
 @compiled
 def give_rows(slots: IntArray, spare: IntArray, ids: IntArray, rows: IntArray) -> int:
-    """Give a row to each body of ``ids`` (k,) with the entry UNKNOWN in ``rows`` (k,), by rising id; update ``rows``.
+    """Give a row, by rising id, to each body of ``ids`` (k,) that is UNKNOWN in ``rows`` (k,), and update ``rows``.
 
     Return the number of missing rows. If any row is missing, no body gets a row.
     """
@@ -79,7 +79,7 @@ def give_rows(slots: IntArray, spare: IntArray, ids: IntArray, rows: IntArray) -
         return int(len(new) - spare[0])
     for body in sorted_ids(new):
         at = _slot_of(slots, body)
-        if slots[at, 0] == NONE:  # otherwise it is listed twice
+        if slots[at, 0] == NONE:  # otherwise ``ids`` lists the body twice
             slots[at, 0], slots[at, 1] = body, spare[spare[0]]
             spare[0] -= 1
     find_rows(slots, ids, rows)
@@ -88,7 +88,7 @@ def give_rows(slots: IntArray, spare: IntArray, ids: IntArray, rows: IntArray) -
 
 @compiled
 def take_row(slots: IntArray, spare: IntArray, body: int) -> None:
-    """Free the row of a body, if the body has a row; the rows of other bodies stay the same.
+    """Free the row of a body, if the body has a row. The rows of other bodies stay the same.
 
     Later entries of the hash table move up to close the gap (Algorithm R).
     """
@@ -117,7 +117,7 @@ def _copy_slots(known: IntArray, slots: IntArray) -> None:
 
 
 def rows_for(count: int, known: Rows | None = None) -> Rows:
-    """Return a table with ``count`` rows and at least twice as many slots that keeps the ``known`` rows."""
+    """Return a table with ``count`` rows and at least twice as many slots, and copy the ``known`` rows."""
     slots = np.full((1 << max(1, 2 * count - 1).bit_length(), 2), NONE, np.int64)
     old, free = (0, np.empty(0, np.int64)) if known is None else (len(known.spare) - 1, known.spare[1:])
     if known is not None:

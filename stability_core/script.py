@@ -1,6 +1,6 @@
 """A scripted world that exercises the whole core: the script builds, strikes and undermines a stack.
 
-One run of the script compiles all kernels, or reads them from Numba's cache.
+One run of the script compiles all kernels of a policy, or reads them from Numba's cache.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from stability_core.port import GROUND, Contacts, Masses
 
 _FRAME_S = 1 / 60
 _RESTING_FRAMES = 90
-"""Number of frames after which every body is frozen, also bodies in doubt."""
+"""Number of frames in a part of the script: 1.5 s, because a body in doubt freezes after ``doubt_s`` = 1 s."""
 _HALF = 0.05
 """Half the edge of the cubes [m]."""
 _UP, _ASIDE = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
@@ -22,7 +22,7 @@ _STILL = (0.0, 0.0, 0.0)
 _DEEP = (-_HALF, _HALF)
 _FAST = (0.0, 0.0, -5.0)
 _PUSH = (20.0, 0.0, 0.0)
-"""Force [N] at each point of a side contact, more than friction holds."""
+"""Force [N] at each of four points of a side contact. Friction holds less, because the cube weighs 9.81 N."""
 _TILTED = (0.5, 0.0, -9.81)
 
 
@@ -52,7 +52,7 @@ _CUBES = {
     6: (2.00, 0.0, 0.55),  # a cube on the ground's edge, and a cube beside it that only friction holds
     7: (2.10, 0.0, 0.55),
     8: (3.0, 0.0, 0.05),  # a ball
-    9: (0.1, 0.0, 0.35),  # a cube that appears in the middle of the script and overloads cube 3 at its edge
+    9: (0.1, 0.0, 0.35),  # a cube that appears later in the script, and overloads an edge of cube 3
 }
 _LATE = 9
 _TOUCHES = (
@@ -73,7 +73,7 @@ _TOUCHES = (
 
 
 class ScriptedPort:
-    """Cubes at rest that obey sleep and wake."""
+    """Port of the scripted world, with cubes at rest that obey ``sleep`` and ``wake``."""
 
     def __init__(self) -> None:
         self.bodies = {body: center for body, center in _CUBES.items() if body != _LATE}
@@ -103,7 +103,7 @@ class ScriptedPort:
         )
 
     def masses(self) -> Masses:
-        """Return a mass of one kilogram for each live cube."""
+        """Return the live cubes, with a mass of 1 kg each."""
         live = sorted(self.bodies.keys() - self._frozen)
         removed, self._removed = self._removed, []
         centers = np.array([self.bodies[body] for body in live]).reshape(-1, 3)
@@ -141,7 +141,7 @@ class ScriptedExtension(Protocol):
 
 
 def play_script(extension: ScriptedExtension, port: ScriptedPort) -> None:
-    """Let an ``extension`` of ``port`` freeze and unfreeze bodies in every way."""
+    """Play the script: let ``extension`` adopt, freeze, hold, release and unfreeze the bodies of ``port``."""
 
     def rest() -> None:
         for _ in range(_RESTING_FRAMES):

@@ -1,9 +1,9 @@
 """All tolerances of the core, each with unit, default and reason: one set for all engines and all sizes.
 
 The unit of lengths is a body's size. The core infers the size from the body's contacts (``contact_filter.note_sizes``).
-The unit of speeds is sqrt(gravity times size). With these units the core judges a stack of any scale in the same way: a
-stack a hundred times larger falls ten times more slowly. Times are in seconds, at any frame rate. For the paper's plank
-of 117 mm, each default equals the length or the speed in the default's reason.
+The unit of speeds is sqrt(gravity times size). With these units the core judges a stack of any scale in the same way.
+For example, a stack a hundred times larger takes ten times as long to fall. Times are in seconds, at any frame rate.
+For the paper's plank of 117 mm, each default equals the length or the speed in the default's reason.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ Limits: TypeAlias = Any
 _PLANK = 59.8e-3
 """Size [m] of the plank for which the tolerances were found: from its centre to the corners of a face."""
 _FALL = math.sqrt(9.81 * _PLANK)
-"""Unit of speed [m/s] for that plank."""
+"""Unit of speed [m/s] for the same plank: sqrt(gravity times size)."""
 ROUNDING_S = 1e-6
-"""Rounding error [s] of a sum of frame times."""
+"""Tolerance [s] for the rounding of a sum of frame times."""
 
 
 def _setting(default: float, unit: str, reason: str) -> Any:
@@ -30,12 +30,12 @@ def _setting(default: float, unit: str, reason: str) -> Any:
 
 
 def _length(metres: float, reason: str) -> Any:
-    """Return a length setting, given for the plank [m]."""
+    """Return a setting in sizes for a length [m] of the paper's plank."""
     return _setting(metres / _PLANK, "sizes", reason)
 
 
 def _speed(metres_a_second: float, reason: str) -> Any:
-    """Return a speed setting, given for the plank [m/s]."""
+    """Return a setting in sqrt(gravity * size) for a speed [m/s] of the paper's plank."""
     return _setting(metres_a_second / _FALL, "sqrt(gravity * size)", reason)
 
 
@@ -44,7 +44,7 @@ class Settings:
     """Tolerances for bodies of any size, at any frame rate.
 
     Raises:
-        ValueError: if a setting is negative or not finite, ``repose`` is not below pi/2, or ``rest_s`` is 0.
+        ValueError: if a setting is no finite number from 0, if ``repose`` is not below pi/2, or if ``rest_s`` is 0.
     """
 
     rest_speed: float = _speed(
@@ -55,11 +55,11 @@ class Settings:
     )
     rest_penetration: float = _length(
         0.2e-3,
-        "0.2 mm, because a brick that freezes deeper in its support tilts the next level; 25 levels stay within 5 mm",
+        "0.2 mm, because a brick that freezes deeper in its support tilts the next level: 25 levels stay within 5 mm",
     )
     rest_sinking: float = _speed(
         0.1e-3,
-        "0.1 mm/s, because a brick whose depth changes more slowly does not recover, since its contacts are soft",
+        "0.1 mm/s, because the depth of a brick that rests on soft contacts changes more slowly",
     )
     rest_s: float = _setting(
         0.1,
@@ -70,7 +70,7 @@ class Settings:
     still_s: float = _setting(
         0.5,
         "s",
-        "0.5 s, because a stack that trembles, or has soft contacts, is at rest if it has kept its place for this time",
+        "0.5 s, because a brick that trembles, or has soft contacts, is at rest if it has kept its place for this time",
     )
     lean_speed: float = _speed(50e-3, "50 mm/s, because an inverted V slips away while a stricter rule waits")
     lean_penetration: float = _length(4e-3, "4 mm, because edge contacts of leaning planks recover slowly")
@@ -143,7 +143,7 @@ class Settings:
     )
     moving_speed: float = _speed(
         10e-3,
-        "10 mm/s, because an unfrozen brick that was faster has really moved, and may freeze like any other brick",
+        "10 mm/s, because an unfrozen brick that was faster has left its place, and may freeze like any other brick",
     )
     calm_s: float = _setting(
         0.5,
@@ -179,11 +179,10 @@ class Settings:
         0.0,
         "rad",
         "0 for atan(mu), because friction alone holds this slope: the angle of repose of the policy 'pile'. A steeper "
-        "angle freezes bodies that come to rest above that slope; a flatter angle leaves them live, because nothing "
-        "pushes them down",
+        "angle also freezes bodies at rest on steeper slopes. A flatter angle leaves bodies at rest on slopes live",
     )
     flight_speed: float = _speed(
-        0.3, "0.3 m/s, because a faster body comes to rest elsewhere: the core forgets how often the body was unfrozen"
+        0.3, "0.3 m/s, because a faster body comes to rest elsewhere: the core forgets the number of its unfreezings"
     )
 
     def __post_init__(self) -> None:
@@ -202,19 +201,23 @@ class Settings:
             )
         if self.rest_s == 0:
             raise ValueError(
-                "setting rest_s must be above 0 s, got 0: rest_s is also the interval at which the core judges a "
-                "refused body again"
+                "setting rest_s must be above 0 s, got 0: pass a positive time, because the core judges a "
+                "refused body again every rest_s"
             )
 
     @property
     def longest_dwell(self) -> float:
-        """Time [s] for which the core must keep contacts: the longest dwell of the three rules."""
+        """Time [s] for which the core must keep contacts: the longest dwell time of the three rules of rest."""
         return max(self.rest_s, self.lean_s, self.load_s)
 
     def limits(self, gravity: float) -> Limits:
-        """Return the settings as a structured array of shape (1,), for the kernels; ``gravity`` [m/s2] is positive."""
+        """Return the settings as a structured array of shape (1,), for the kernels.
+
+        Args:
+            gravity: gravitational acceleration [m/s2], positive.
+        """
         return np.array([(*astuple(self), gravity)], _LIMITS)
 
 
 _LIMITS = np.dtype([*((item.name, "f8") for item in fields(Settings)), ("gravity", "f8")], align=True)
-"""Dtype of all settings; ADR-0002 gives the reason why all arrays of settings share this object."""
+"""Dtype of all settings. ADR-0002 gives the reason why all arrays of settings share this object."""

@@ -17,7 +17,7 @@ from stability_core.stack import FROZEN, LIVE, Graph, note_change_of_supports, s
 
 @compiled
 def _with_rule(graph: Graph, buffers: FrameBuffers, rule: int, state: int) -> IntArray:
-    """Return the bodies in a ``state`` with the strictest rule ``rule``, by rising id, shape (k,)."""
+    """Return the bodies in ``state`` whose strictest rule is ``rule``, by rising row, shape (k,)."""
     bodies, ids = graph.bodies, listed(buffers, rule)
     found = np.empty(len(ids), np.int64)
     n = 0
@@ -49,10 +49,10 @@ def lay_due(graph: Graph, buffers: FrameBuffers, limits: Limits) -> None:
 
 @compiled
 def lay_frozen(graph: Graph, buffers: FrameBuffers, limits: Limits) -> None:
-    """Rebuild the patches of newly frozen bodies, on the stack alone; remove the patches of a failed leaning test.
+    """Rebuild the patches of newly frozen bodies, and remove the patches of live bodies after a failed leaning test.
 
-    A body that touches only the stack keeps its patches. A body that only passes by keeps no patches, because it is no
-    load.
+    A newly frozen body that touches only the stack keeps its patches. A live body that only passes by keeps no patches,
+    because it is no load.
     """
     limit = limits[0]
     for rule, dwell in ((AT_REST, limit.rest_s), (LEANING, limit.lean_s)):
@@ -94,7 +94,7 @@ def lowest_first(graph: Graph, ids: IntArray) -> IntArray:
 
 @compiled
 def write_down(row: IntArray, ids: IntArray) -> int:
-    """Write the ``ids`` (k,) to the caller's array ``row``; return k. ADR-0002 gives the reason."""
+    """Write the ``ids`` (k,) to the caller's array ``row``, and return k. ADR-0002 gives the reason for the copy."""
     for i in range(len(ids)):
         row[i] = ids[i]
     return len(ids)

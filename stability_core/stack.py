@@ -1,8 +1,8 @@
 """The stack as a graph in two flat tables: bodies, and the contact patches that join them.
 
 A patch joins an upper body to its support or leaning partner. Each body has two linked lists of patches: for its
-supports and for its loads. The cost of a change depends only on the changed bodies and their neighbours, not on the
-height of the stack. Frozen pairs keep the patch of their freezing, because engines drop contacts of frozen pairs.
+supports and for its loads. The cost of adding or removing a patch depends on the neighbours of both bodies, not on
+the height of the stack. A frozen pair keeps its patch, because engines may drop contacts of frozen pairs.
 """
 
 from __future__ import annotations
@@ -15,21 +15,21 @@ from stability_core.compiled import compiled
 from stability_core.port import GROUND, FloatArray, IntArray
 
 ABSENT, LIVE, FROZEN, FIXED, MOVING = range(5)
-"""A body's ``state``; FIXED and MOVING are for kinematic bodies."""
+"""A body's ``state``. FIXED and MOVING are for kinematic bodies."""
 SUPPORT, LEAN = 0, 1
 PROVEN, IN_DOUBT, NOTED = 0, 1, 2
-"""A body's ``doubt``: NOTED once its surroundings are recorded, so that any change is detected."""
+"""A body's ``doubt``. NOTED is for a body in doubt after the core has recorded its surroundings, to detect changes."""
 NOT_REFUSED, TOPPLES, FALLS, DOUBTED = 0, 1, 2, 3
 """A body's ``refusal``: the policy's reason for the last refusal to freeze the body."""
 NONE = -1
 """End of a linked list."""
 FEW = 16
-"""Number of ids up to which ``sorted_ids`` sorts by insertion, because this is faster for few ids."""
+"""Number of ids up to which ``sorted_ids`` sorts by insertion, because insertion is faster for few ids."""
 MAX_VERTICES = 16
-"""Greatest number of vertices kept per contact patch, enough because a box on a box has at most 8 per frame."""
+"""Greatest number of vertices of a patch: twice the 8 of a box on a box, because the points of frames differ."""
 
 Bodies: TypeAlias = Any
-"""Structured array of ``BODY``, one row per body: see ``rows``. In the kernels a body's number is its row."""
+"""Structured array of ``BODY``, with one row per body: see ``rows``. The kernels denote a body by its row."""
 Patches: TypeAlias = Any
 """Structured array of ``PATCH``, one row per contact patch."""
 
@@ -40,27 +40,27 @@ BODY = np.dtype(
         ("held", "?"),  # True while a user holds it, so that it stays live
         ("mass", "f8"),  # [kg], infinite for kinematic bodies
         ("blow", "f8"),  # slide that the blows of the latest frame would cause [m]
-        ("slid", "f8"),  # sum of such slides since it was frozen [m]; infinite for a hard blow
+        ("slid", "f8"),  # sum of these slides since its freezing [m]; infinite for a hard blow
         ("center", "f8", (3,)),  # centre of mass [m]: C_obj of Eq. 1
         ("size", "f8"),  # distance from the centre of mass to the farthest contact point so far [m]
         ("least_load", "f8"),  # of a kinematic body: size of the smallest body that has touched it [m]
-        ("swept", "f8"),  # of a kinematic body: path of its surface below frozen bodies since it was still [m]
+        ("swept", "f8"),  # of a kinematic body: path of its surface below frozen bodies since its last move [m]
         ("sweep", "f8"),  # of a kinematic body: greatest speed of that surface in this frame [m/s]
-        # the mean push of live bodies on a frozen one: see ``pushes``
+        # the mean push of live bodies on a frozen body: see ``pushes``
         ("push", "f8", (3,)),  # [N]
         ("push_began_s", "f8"),  # start of the push [s]
         ("pushed_s", "f8"),  # time of the latest push [s]
-        ("push_judged", "f8", (3,)),  # push under which its balance was last judged [N]
+        ("push_judged", "f8", (3,)),  # push in the last judgement of its balance [N]
         ("push_judged_s", "f8"),  # time of that judgement [s]
         # motion and contacts in the latest frame
         ("speed", "f8"),  # of the centre of mass [m/s]
         ("slip", "f8"),  # fastest sliding at a contact [m/s]
         ("depth", "f8"),  # deepest penetration into a support [m]
         ("depth_before", "f8"),  # deepest penetration in the frame before [m]
-        ("touches", "?"),  # it touches the ground or a frozen body
+        ("touches", "?"),  # True if it touches the ground, a FIXED body or a frozen body
         ("supported_by", "u8"),  # its supports as a set of 64 bits (see ``contact_filter.bit_of``)
         ("neighbours", "u8"),  # all bodies that it touches, as a set of 64 bits
-        ("frozen_neighbours", "u8"),  # the frozen bodies among these, and the ground
+        ("frozen_neighbours", "u8"),  # the ground, and the FIXED and frozen bodies that it touches
         # durations [s] up to the latest frame
         ("rest_s", "f8"),  # at rest by the strict rule
         ("still_s", "f8"),  # in its place, at any depth, perhaps with small vibrations
@@ -83,7 +83,7 @@ BODY = np.dtype(
         ("doubt", "i1"),
         ("refusal", "i1"),  # NOT_REFUSED, TOPPLES, FALLS or DOUBTED
         ("refused_among", "u8"),  # its frozen neighbours at the last refusal
-        ("deferred", "?"),  # due, but without budget: judged in the next frame
+        ("deferred", "?"),  # on the worklist, but beyond the budget: judged in the next frame
         # a live body on the stack with patches in the graph
         ("is_load", "?"),
         ("load_center", "f8", (3,)),  # centre of mass for which the patches were built [m]
@@ -100,7 +100,7 @@ BODY = np.dtype(
         # the graph
         ("first_support", "i8"),
         ("first_load", "i8"),
-        ("changed", "?"),  # listed in ``Graph.changed``, because its balance must be judged again
+        ("changed", "?"),  # listed in ``Graph.changed``, because the core must judge its balance again
     ],
     align=True,
 )
@@ -109,12 +109,12 @@ PATCH = np.dtype(
     [
         ("upper", "i8"),  # the body that stands or leans
         ("lower", "i8"),  # its support or leaning partner, or GROUND
-        ("kind", "i1"),  # SUPPORT if the contact can carry a vertical force, else LEAN
+        ("kind", "i1"),  # SUPPORT for a load-bearing contact, else LEAN
         ("vertices", "i8"),
-        ("vertex", "f8", (MAX_VERTICES, 3)),  # hull of the contact points in plan [m], counter-clockwise
+        ("vertex", "f8", (MAX_VERTICES, 3)),  # hull of the contact points [m], counter-clockwise
         ("center", "f8", (3,)),  # centroid of the hull [m]: C_contact of Eq. 4
         ("width", "f8"),  # least width of the hull [m]; 0 for a point or a line
-        ("normal", "f8", (3,)),  # unit, towards the upper body
+        ("normal", "f8", (3,)),  # unit normal, towards the upper body
         ("friction", "f8"),
         ("next_support", "i8"),  # next patch below the same upper body
         ("next_load", "i8"),  # next patch above the same lower body
@@ -124,7 +124,7 @@ PATCH = np.dtype(
 
 
 class Graph(NamedTuple):
-    """The tables of the kernels.
+    """The tables of bodies and patches, with their lists of free and changed rows.
 
     ADR-0002 gives the reason why loops take a table out of this tuple first.
     """
@@ -134,7 +134,7 @@ class Graph(NamedTuple):
     spare: IntArray
     """Free rows of ``patches``: their number, then the rows, shape (1 + len(patches),)."""
     changed: IntArray
-    """Bodies whose patches changed since the last ``take_changed``: their number, then rows, shape (1 + bodies,)."""
+    """Bodies with changed patches since the last ``take_changed``: their number, then rows, shape (1 + bodies,)."""
 
 
 @compiled
@@ -201,7 +201,7 @@ def sorted_ids(ids: IntArray) -> IntArray:
 
 @compiled
 def take_changed(graph: Graph) -> IntArray:
-    """Return the bodies whose patches changed since the last call, by rising row, shape (k,): O(k log k)."""
+    """Return the bodies with changed patches since the last call, by rising row, shape (k,): O(k log k)."""
     bodies, listed = graph.bodies, graph.changed
     changed = sorted_ids(listed[1 : 1 + listed[0]])
     listed[0] = 0
@@ -212,7 +212,7 @@ def take_changed(graph: Graph) -> IntArray:
 
 @compiled
 def link(graph: Graph, upper: int, lower: int, kind: int) -> Patches:
-    """Add a patch of an upper and a lower body to the lists of both bodies; return the new row."""
+    """Add a patch of an upper and a lower body to the lists of both bodies, and return the new patch."""
     bodies, spare = graph.bodies, graph.spare
     at = spare[spare[0]]
     spare[0] -= 1
@@ -284,7 +284,7 @@ def drop_loads(graph: Graph, body: int) -> None:
 
 @compiled
 def axes_of(normal: FloatArray) -> FloatArray:
-    """Return three right-handed perpendicular unit vectors, rows of (3, 3); the last vector is the unit ``normal``."""
+    """Return right-handed perpendicular unit vectors as rows, shape (3, 3). The last row is the unit ``normal``."""
     axes = np.zeros((3, 3))
     least = 0
     for k in range(1, 3):
@@ -309,10 +309,10 @@ def _is_in_doubt(bodies: Bodies, body: int) -> bool:
 
 @compiled
 def with_all_above(graph: Graph, roots: IntArray) -> IntArray:
-    """Return ``roots`` and every frozen body that rests on them, directly or through other bodies, shape (k,).
+    """Return ``roots`` and each frozen body that rests on them, directly or through other frozen bodies, shape (k,).
 
-    The result also includes each body in doubt that bears a body of the result, because nothing proves that a body in
-    doubt stands without its neighbours.
+    The result also includes each body in doubt that bears a body of the result. A body in doubt may need its neighbours
+    to stand.
     """
     reached = np.zeros(len(graph.bodies), np.bool_)
     found = np.empty(len(graph.bodies), np.int64)
@@ -380,7 +380,7 @@ def empty_graph() -> Graph:
 
 
 def _longer(table: Any, rows: int, used: IntArray | slice) -> Any:
-    """Return a table with ``rows`` rows and a copy of the ``used`` rows; all other rows are zero."""
+    """Return a table with ``rows`` rows and a copy of the ``used`` rows. All other rows are zero."""
     longer = np.zeros(rows, table.dtype)
     longer[used] = table[used]
     return longer

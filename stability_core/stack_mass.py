@@ -18,7 +18,7 @@ from stability_core.stack import MAX_VERTICES, NONE, SUPPORT, Graph, count_patch
 
 @compiled
 def support_polygon(graph: Graph, body: int) -> FloatArray:
-    """Return the combined contact area: the hull (k, 3), in plan, of a body's load-bearing patches on the stack."""
+    """Return the hull (k, 3) in plan of a body's load-bearing patches on the stack: its combined contact area."""
     bodies, patches = graph.bodies, graph.patches
     points = np.empty((MAX_VERTICES * count_patches(graph, body), 3))
     n, at = 0, bodies[body].first_support
@@ -36,7 +36,7 @@ def support_polygon(graph: Graph, body: int) -> FloatArray:
 
 @compiled
 def pivot_of(graph: Graph, body: int) -> int:
-    """Return the row of a leaning body's lowest patch, on which the body pivots; NONE without patches."""
+    """Return the row of a leaning body's lowest patch, on which the body pivots, or NONE without patches."""
     patches = graph.patches
     lowest, height = NONE, np.inf
     at = graph.bodies[body].first_support
@@ -61,15 +61,16 @@ def nearest_vertex(hull: FloatArray, point: FloatArray) -> FloatArray:
 
 @compiled
 def equivalent_mass(mass: float, center: FloatArray, pivot: FloatArray, contact: FloatArray) -> float:
-    """Return m_equiv [kg]: the load of a body with two supports on one of them (Eqs 3-5).
+    """Return m_equiv [kg]: the share of a body's load that one of its two supports bears (Eqs 3-5).
 
     Gravity G acts at ``center`` and turns the body about ``pivot`` on the second support with the torque T. A vertical
     force F at ``contact`` balances this torque:
 
         T = (C_stack - P_pivot) x G,    |F| = |T| / (|C_contact - P_pivot| sin(theta)),    m_equiv = |F| / g
 
-    All forces are vertical. Therefore |T| / |G| and |C_contact - P_pivot| sin(theta) are distances in plan. Both shares
-    need not sum to the mass, because each share has its own pivot.
+    Here theta is the angle between the lever and the force F, and g is the gravitational acceleration. All forces are
+    vertical. Therefore |T| / |G| and |C_contact - P_pivot| sin(theta) are distances in plan. The shares
+    of the two supports need not add up to the mass, because each share has its own pivot.
 
     Args:
         mass: m_stack [kg] of the upper body.
@@ -79,7 +80,7 @@ def equivalent_mass(mass: float, center: FloatArray, pivot: FloatArray, contact:
     """
     torque = np.hypot(center[0] - pivot[0], center[1] - pivot[1])
     lever = np.hypot(contact[0] - pivot[0], contact[1] - pivot[1])
-    if lever == 0.0:  # both supports meet in one point: neither has a lever over the other
+    if lever == 0.0:  # both supports meet in one point, so that neither support has a lever
         return 0.5 * mass
     return float(mass * torque / lever)
 
@@ -89,11 +90,11 @@ def share_on(graph: Graph, at: int) -> tuple[float, float, float, float]:
     """Return the load of the upper body of patch ``at`` on the lower body: mass [kg], and its point x, y, z [m].
 
     - Single branch: the whole load, at C_stack.
-    - Merge branch: the whole load on the support whose own contact area contains C_stack. If no area contains
-      C_stack, the equivalent mass for two supports, or equal shares for more supports, each at the centre of the
-      contact area.
-    - Leaning body: the whole load on the pivot, at the contact point nearest to C_stack. This case is ours, because the
-      paper does not describe how a leaning body passes its load down.
+    - Merge branch, C_stack in the contact area of one support: the whole load on this support, at C_stack.
+    - Merge branch, other cases with two supports: the equivalent mass, at the centre of the contact area.
+    - Merge branch, other cases with more supports: equal shares, at the centre of each contact area.
+    - Leaning body: the whole load on the pivot, at the contact point nearest to C_stack. This rule is an
+      addition, because the paper does not describe how a leaning body passes its load down.
     """
     bodies, patches = graph.bodies, graph.patches
     patch = patches[at]
@@ -130,9 +131,11 @@ def share_on(graph: Graph, at: int) -> tuple[float, float, float, float]:
 def stack_above(graph: Graph, body: int) -> tuple[float, float, float, float]:
     """Return m_stack [kg] and C_stack: x, y, z [m], of a body with all its loads (Eqs 2 and 1).
 
-    The paper gives the equations for one body above. The function applies them to every body above (split branch):
+    The paper gives the equations for one body above. The function sums over all bodies above (split branch):
 
     m_stack = m_obj + sum m_above,    C_stack = (C_obj m_obj + sum C_above m_above) / m_stack
+
+    Here m_obj and C_obj are mass and centre of the body, and m_above and C_above are mass and point of each load.
     """
     bodies, patches = graph.bodies, graph.patches
     row = bodies[body]
@@ -149,10 +152,11 @@ def stack_above(graph: Graph, body: int) -> tuple[float, float, float, float]:
 
 @compiled
 def carry_down(graph: Graph, changed: IntArray) -> IntArray:
-    """Carry mass and centre down from the ``changed`` bodies; return all affected bodies, (k,).
+    """Carry mass and centre down from the ``changed`` bodies, and return all affected bodies, (k,).
 
     The function updates the highest body first, and each body once. A branch ends at a body whose stack data do not
-    change. The cost is O(k log k) for the k affected bodies, independent of all other bodies.
+    change. The cost is O(k log k) for the k affected bodies, besides two arrays with an entry for each row of the
+    table.
     """
     bodies, patches = graph.bodies, graph.patches
     waiting = [(0.0, 0) for _ in range(0)]

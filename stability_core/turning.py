@@ -1,9 +1,9 @@
 """Turn the core's memory when gravity changes its direction.
 
-A patch keeps its points and its normal. The module derives the patch's kind, upper body and hull in plan again, because
-they depend on the direction of gravity: a face that carried a body may become a side, and a side may become a support.
-The module drops patches of live bodies, because later steps rebuild these patches from the contacts of the dwell
-frames.
+A patch keeps its points and its normal. The module derives the kind, the upper body and the hull of each patch again,
+because all three depend on the direction of gravity. For example, a face that carried a body may become a side, and a
+side may become a support. The module drops patches of live bodies, because later steps rebuild these patches from the
+contacts of the dwell frames.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def _turn_vector(vector: FloatArray, turn: FloatArray) -> None:
 
 @compiled
 def _turn_bodies(bodies: Bodies, turn: FloatArray) -> None:
-    """Turn all positions; reset the policy's refusals, and the times for which bodies have kept their places."""
+    """Turn all positions, and reset the policy's refusals and the times ``steady_s``."""
     for i in range(len(bodies)):
         row = bodies[i]
         if row.state == ABSENT:
@@ -67,7 +67,7 @@ def _turn_contacts(bodies: Bodies, buffers: FrameBuffers, turn: FloatArray, leve
 
 @compiled
 def _patches_of_frozen(graph: Graph) -> IntArray:
-    """Drop the patches of live bodies; return the rows of all other patches, shape (k,)."""
+    """Drop the patches of live bodies, and return the rows of all other patches, shape (k,)."""
     bodies, patches = graph.bodies, graph.patches
     rows = np.empty(len(patches), np.int64)
     n = 0

@@ -1,4 +1,4 @@
-"""Upright coordinates, in which gravity points down the z axis; the kernels use no other coordinates.
+"""Upright coordinates, in which gravity points down the z axis. The kernels compute in these coordinates.
 
 The port uses the coordinates of its world. ``Upright`` turns points, normals, centres, velocities and forces to
 upright coordinates. For gravity (0, 0, -g) both systems are the same.
@@ -33,7 +33,7 @@ def turned(points: FloatArray, axes: FloatArray) -> FloatArray:
 
 
 def checked_gravity(gravity: Sequence[float]) -> tuple[float, float, float]:
-    """Check gravity [m/s2]; return it as three numbers.
+    """Check gravity [m/s2], and return its three components.
 
     Raises:
         ValueError: if gravity is not a finite vector, or zero.
@@ -66,7 +66,7 @@ class Upright:
         self.rotation = np.eye(3) if self.is_world else rotation_to_upright(self.up)
 
     def differs(self, gravity: tuple[float, float, float], tilt: float, share: float) -> bool:
-        """Return True if another gravity differs by more than ``tilt`` [rad] in direction, or ``share`` in strength."""
+        """Return True if ``gravity`` differs by more than ``tilt`` [rad] in direction or ``share`` in strength."""
         vector = np.array(gravity)
         angle = np.arctan2(np.linalg.norm(np.cross(vector, self.up)), -(vector @ self.up))
         return bool(angle > tilt or abs(np.linalg.norm(vector) / self.strength - 1.0) > share)

@@ -1,4 +1,4 @@
-"""Validate the port's arrays: raise an error for bad input before any state changes."""
+"""Validate the port's arrays, and raise an error for bad input before the core changes its tables."""
 
 from __future__ import annotations
 
@@ -34,10 +34,14 @@ def fit_together(contacts: ContactArrays, masses: MassArrays) -> bool:
 
 @compiled
 def first_bad_contact(contacts: ContactArrays) -> int:
-    """Return the first malformed row, or -1.
+    """Return the first malformed row of the contacts, or -1.
 
-    A row is malformed if an id is bad, the friction is negative or not finite, the point is not finite, or the normal
-    is not a unit vector.
+    A row is malformed in these cases:
+
+    - an id is below -1, or both ids are the same;
+    - the friction is negative or not finite;
+    - the point is not finite;
+    - the normal is not a unit vector.
     """
     body_a, body_b = contacts.body_a, contacts.body_b
     point, normal, friction = contacts.point, contacts.normal, contacts.friction
@@ -56,7 +60,7 @@ def first_bad_contact(contacts: ContactArrays) -> int:
 
 @compiled
 def first_bad_mass(masses: MassArrays) -> int:
-    """Return the first row with a bad id, a mass that is not positive, or a centre that is not finite; or -1."""
+    """Return the first row with a negative id, a mass that is not positive, or a centre that is not finite, else -1."""
     body, mass, center = masses.body, masses.mass, masses.center
     for i in range(len(body)):
         total = center[i, 0] + center[i, 1] + center[i, 2]
@@ -70,13 +74,13 @@ def first_bad_mass(masses: MassArrays) -> int:
 def presses_down_from_below(center: FloatArray, point: FloatArray, normal: FloatArray, sign: float) -> bool:
     """Return True if a contact with the ground, below a body's centre, pushes the body down and away from the centre.
 
-    A contact of a convex body does so only if its normal points from b to a.
+    On a convex body, such a normal points from b to a, against the convention.
 
     Args:
         center: centre of mass of the body [m], shape (3,).
         point: the contact [m], shape (3,).
         normal: unit normal from a to b, shape (3,).
-        sign: 1 if the body is b, -1 if it is a.
+        sign: 1 if the body is b, -1 if the body is a.
     """
     inward = 0.0
     for k in range(3):
@@ -88,7 +92,7 @@ def check_ids(name: str, ids: object) -> None:
     """Check that ids are integers, because 0.5 would count as 0.
 
     Raises:
-        ValueError: if an array does not contain integers; the message names the array and the fix.
+        ValueError: if an array does not contain integers. The message names the array and the fix.
     """
     dtype = getattr(ids, "dtype", None)
     if dtype is _IDS:
@@ -128,7 +132,7 @@ def check_shapes(contacts: Contacts, masses: Masses) -> None:
     """Check that the shapes and types of the arrays fit together.
 
     Raises:
-        ValueError: for a wrong shape or type; the message names the array and the required shape or type.
+        ValueError: for a wrong shape or type. The message names the array and the required shape or type.
     """
     arrays = {f"contacts.{item.name}": getattr(contacts, item.name) for item in fields(contacts)}
     if contacts.force is None:
@@ -146,31 +150,32 @@ def check_shapes(contacts: Contacts, masses: Masses) -> None:
         raise ValueError(
             f"contacts.point, normal and relative_velocity must each have shape ({n}, 3), because contacts.body_a "
             f"has {n} rows; got {contacts.point.shape}, {contacts.normal.shape} and "
-            f"{contacts.relative_velocity.shape}"
+            f"{contacts.relative_velocity.shape}: give one row per contact point"
         )
     if not contacts.body_b.shape == contacts.separation.shape == contacts.friction.shape == (n,):
         raise ValueError(
             f"contacts.body_b, separation and friction must each have shape ({n},), because contacts.body_a has "
-            f"{n} rows; got {contacts.body_b.shape}, {contacts.separation.shape} and {contacts.friction.shape}"
+            f"{n} rows; got {contacts.body_b.shape}, {contacts.separation.shape} and "
+            f"{contacts.friction.shape}: give one value per contact point"
         )
     if contacts.force is not None and contacts.force.shape != (n, 3):
         raise ValueError(
             f"contacts.force must be None or have shape ({n}, 3), because contacts.body_a has {n} rows; got "
-            f"{contacts.force.shape}"
+            f"{contacts.force.shape}: give one force per contact point"
         )
     if masses.mass.shape != (m,) or masses.center_of_mass.shape != (m, 3):
         raise ValueError(
             f"masses.mass must have shape ({m},), and masses.center_of_mass ({m}, 3), because masses.body has {m} "
-            f"rows; got {masses.mass.shape} and {masses.center_of_mass.shape}"
+            f"rows; got {masses.mass.shape} and {masses.center_of_mass.shape}: give one row per body"
         )
 
 
 def fault_of(fault: int, row: int, contacts: Contacts, masses: Masses) -> ValueError:
-    """Return the error for a malformed row; the message states the row's content and the fix."""
+    """Return the error for a malformed row. The message states the row's content and the fix."""
     if fault == BAD_MASS:
         return ValueError(
             f"masses row {row}: body {masses.body[row]} needs an id of at least 0, a positive mass and a finite "
-            f"centre, got {masses.mass[row]} kg at {masses.center_of_mass[row]}"
+            f"centre, got {masses.mass[row]} kg at {masses.center_of_mass[row]}: correct this row of masses()"
         )
     if fault == LISTED_TWICE:
         return ValueError(
@@ -191,5 +196,5 @@ def fault_of(fault: int, row: int, contacts: Contacts, masses: Masses) -> ValueE
     return ValueError(
         f"{pair}: a contact needs two different ids (-1 for the ground, or at least 0), a finite point, a unit normal "
         f"and a friction of at least 0, got point {contacts.point[row]}, normal {contacts.normal[row]}, friction "
-        f"{contacts.friction[row]}"
+        f"{contacts.friction[row]}: correct this row of contacts()"
     )

@@ -25,7 +25,7 @@ from stability_core.validation import BAD_SHAPE, FINE, NO_ROOM, check_ids, check
 
 
 class World:
-    """The tables of the kernels, and the state needed to fill them from a port."""
+    """The core's tables, buffers and limits, which the kernels fill from a port."""
 
     def __init__(self, settings: Settings, gravity: tuple[float, float, float]) -> None:
         """Create an empty world.
@@ -47,7 +47,7 @@ class World:
         """Return the rows of bodies that an update has seen, shape (k,).
 
         Raises:
-            KeyError: for unknown bodies; the message names them.
+            KeyError: for unknown bodies. The message names these bodies.
         """
         wanted = np.array([operator.index(body) for body in bodies], np.int64)
         rows = self._find(wanted)
@@ -62,10 +62,10 @@ class World:
         return rows
 
     def observe(self, contacts: Contacts, masses: Masses, dt: float) -> tuple[int, int, int]:
-        """Read one frame; return the worklist's length, and the numbers of kept contacts and listed frozen bodies.
+        """Read one frame, and return the numbers of bodies on the worklist, kept contacts, and listed frozen bodies.
 
         Raises:
-            ValueError: if the port's arrays are malformed; nothing changes.
+            ValueError: if the port's arrays are malformed. In this case no body changes.
         """
         check_ids("masses.body", masses.body)
         check_ids("contacts.body_a", contacts.body_a)
@@ -127,7 +127,7 @@ class World:
             self.graph = grown(self.graph, 0, patches)
 
     def turn(self, gravity: tuple[float, float, float]) -> bool:
-        """Turn the memory, if gravity has changed by more than its tolerances; return True if the memory turned."""
+        """Turn the memory if gravity has changed by more than its tolerances, and return True in this case."""
         settings, before = self.settings, self.upright
         if not before.differs(gravity, settings.gravity_tilt, settings.gravity_change):
             return False
@@ -142,7 +142,7 @@ class World:
         drop_loads(self.graph, row)
 
     def forget(self, bodies: Sequence[int]) -> IntArray:
-        """Drop bodies that left the world; return their former rows, shape (k,).
+        """Drop bodies that left the world, and return their former rows, shape (k,).
 
         The method ignores unknown bodies.
         """

@@ -101,7 +101,7 @@ def test_what_takes_long_is_reported(cold, monkeypatch, caplog):
     with caplog.at_level(logging.WARNING, "stability_core"):
         warm_up("paper")
     first, last = caplog.messages
-    assert first == "compiling the kernels of policy 'paper', which takes one to two minutes, once per version"
+    assert first == "compiling the kernels of policy 'paper': one to two minutes, once per version"
     assert last.startswith("compiled the kernels of policy 'paper' in ")
 
 

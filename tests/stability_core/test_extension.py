@@ -645,7 +645,7 @@ def test_each_refusal_is_reported(port):
     port.touch(0, GROUND, [(0.11, y, 0.0) for y in DEEP], normal=(-1.0, 0.0, 0.0))
     run(extension, 40)
     assert extension.why(0).startswith(
-        "in doubt: contact forces could hold the body, but would not arise by themselves; freezes after"
+        "in doubt: contact forces could hold the body, but would not arise by themselves; the body freezes after"
     )
     port.touches[-1].friction = 0.01
     run(extension, 40)

@@ -80,7 +80,7 @@ def test_what_rests_on_a_lift_wakes_when_it_moves_and_freezes_when_it_stands_sti
     change = extension.update(DT)
     assert change.woken == (0, 1)
     assert change.reasons == {0: "moved by the host", 1: "rested on what was moved by the host"}
-    assert extension.why(LIFT).startswith("moved by the host: no body freezes on it until it has kept its place")
+    assert extension.why(LIFT).startswith("moved by the host: no body freezes on this body until it has kept its place")
     for _ in range(100):  # slower than any limit of rest, for bodies and lift alike
         move(port, [LIFT, 0, 1], (0.0, 0.0, 0.5 * SETTINGS.rest_speed * FALL * DT))
         assert not extension.update(DT).frozen
