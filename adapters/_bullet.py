@@ -37,10 +37,12 @@ Traps:
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from functools import partial
 
 from adapters._bullet_world import KNOBS, BulletWorld
+from adapters.hooks import Pair
 from adapters.profile import Capabilities, KnobValue
 from adapters.profile_files import load_settings
 from adapters.shared.contact_forces import SubstepForces
@@ -81,6 +83,7 @@ class BulletSimulation(SubstepSimulation):
         own_friction=True,
         restitution=True,
         own_moments=True,
+        weld="three point-to-point constraints",
     )
 
     def _open(self) -> None:
@@ -199,6 +202,12 @@ class BulletSimulation(SubstepSimulation):
         if body in self._has_old_gravity:  # Bullet changes the gravity of active bodies only
             self._has_old_gravity.remove(body)
             self._engine.set_gravity(self.world.gravity)
+
+    def _join(self, pair: Pair) -> None:
+        self._engine.join(pair, math.hypot(*self.bricks[pair[0]].size) / 4)
+
+    def _part(self, pair: Pair) -> None:
+        self._engine.part(pair)
 
     def _contacts(self) -> Contacts:
         listed = self._listed()

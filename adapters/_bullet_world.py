@@ -6,6 +6,8 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
+import numpy as np
+
 from adapters.profile import EngineInfo, KnobValue
 from adapters.shared.quiet_import import silenced_stderr
 from adapters.shared.vectors import half_edges, scalar_last
@@ -50,6 +52,8 @@ HEAVY = 1e6
 """Mass [kg] of a moved body. The mass is large, because PyBullet cannot make a body kinematic. A load of 100 N changes
 the body's speed by 0.4 um/s in a step of 1/240 s, and the adapter sets the speed before each step."""
 
+_UNTURNED = (0.0, 0.0, 0.0, 1.0)
+
 
 class BulletWorld:
     """A world in DIRECT mode, with PyBullet's handle of each body. PyBullet reuses the handles of removed bodies."""
@@ -64,6 +68,7 @@ class BulletWorld:
         """Handle of each body."""
         self.body_of: dict[int, int] = {}
         """Body, ground or fixed box of each handle."""
+        self._joints: dict[tuple[int, int], list[int]] = {}  # constraints of each joined pair
         self._world = world
         self._shapes: dict[tuple[Shape, Vector], int] = {}
         self._step_s = 0.0
@@ -116,6 +121,35 @@ class BulletWorld:
         """Set the moments of inertia again after a change of the mass, if Bullet does not compute them exactly."""
         if inertia := _own_inertia(brick):
             pybullet.changeDynamics(handle, -1, **inertia, physicsClientId=self.client)
+
+    def join(self, pair: tuple[int, int], radius: float) -> None:
+        """Join two bodies by point-to-point constraints at three points, ``radius`` [m] from the middle of both.
+
+        Bullet's fixed constraint ignores the orientations of both frames for rigid bodies, and so turns the bodies.
+        """
+        handles = [self.handles[body] for body in pair]
+        poses = [pybullet.getBasePositionAndOrientation(handle, self.client) for handle in handles]
+        middle = (np.array(poses[0][0]) + poses[1][0]) / 2
+        inverses = [pybullet.invertTransform(*pose) for pose in poses]
+        self._joints[pair] = []
+        for point in middle + radius * np.eye(3):
+            local = [pybullet.multiplyTransforms(*inverse, point.tolist(), _UNTURNED)[0] for inverse in inverses]
+            joint = pybullet.createConstraint(
+                handles[0],
+                -1,
+                handles[1],
+                -1,
+                pybullet.JOINT_POINT2POINT,
+                (0.0, 0.0, 0.0),
+                *local,
+                physicsClientId=self.client,
+            )
+            self._joints[pair].append(joint)
+
+    def part(self, pair: tuple[int, int]) -> None:
+        """End the joint of two bodies."""
+        for joint in self._joints.pop(pair):
+            pybullet.removeConstraint(joint, self.client)
 
     def cancel_gravity(self, handle: int, gravity: Vector) -> None:
         """Apply to a moved body the force that cancels ``gravity`` [m/s2] in the next step."""

@@ -38,6 +38,7 @@ import numpy as np
 from adapters._mujoco_approaches import Approaches
 from adapters._mujoco_slots import CONTACT_STEPS
 from adapters._mujoco_world import MujocoWorld
+from adapters.hooks import Pair
 from adapters.profile import Capabilities, KnobValue
 from adapters.profile_files import load_settings
 from adapters.shared.contact_forces import mean_force
@@ -88,6 +89,7 @@ class MujocoSimulation(SubstepSimulation):
         deterministic="across processes",
         shapes=("box", "cylinder", "capsule", "sphere", "polyhedron"),
         own_moments=True,
+        weld="a weld of the compiled model, assigned to the pair",
     )
 
     def _open(self) -> None:
@@ -191,6 +193,12 @@ class MujocoSimulation(SubstepSimulation):
 
     def _unfreeze(self, body: int) -> None:
         self._engine.unfreeze(body)
+
+    def _join(self, pair: Pair) -> None:
+        self._engine.join(pair)
+
+    def _part(self, pair: Pair) -> None:
+        self._engine.part(pair)
 
     def _contacts(self) -> Contacts:
         found, record = self._engine.slots.data.contact, self._engine.geoms

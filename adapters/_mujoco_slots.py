@@ -48,12 +48,15 @@ class SlotModel:
     bodies.
     """
 
-    def __init__(self, patterns: Sequence[Brick], world: World, profile: Profile, *, ghosts: bool) -> None:
+    def __init__(
+        self, patterns: Sequence[Brick], world: World, profile: Profile, *, ghosts: bool, welds: int = 0
+    ) -> None:
         self.slots = len(patterns)
+        self.welds = welds
         self.first_fixed = 1 + self.slots * (2 if ghosts else 1)
         self.geoms = self.first_fixed + len(world.fixed)
         self.has_ghosts = ghosts
-        self.model = mujoco.MjModel.from_xml_string(_mjcf(patterns, world, profile, ghosts=ghosts))
+        self.model = mujoco.MjModel.from_xml_string(_mjcf(patterns, world, profile, ghosts=ghosts, welds=welds))
         self.data = mujoco.MjData(self.model)
         # Views of MuJoCo's memory, one row per slot.
         self.poses: FloatArray = self.data.qpos.reshape(-1, 7)
@@ -87,6 +90,12 @@ class SlotModel:
         self.poses[: smaller.slots] = smaller.poses
         self.velocities[: smaller.slots] = smaller.velocities
         self._warm_starts[: smaller.slots] = smaller._warm_starts
+
+    def copy_welds(self, smaller: SlotModel) -> None:
+        """Copy the welds of a model with fewer welds into the first welds."""
+        for name in ("eq_obj1id", "eq_obj2id", "eq_data"):
+            getattr(self.model, name)[: smaller.welds] = getattr(smaller.model, name)
+        self.data.eq_active[: smaller.welds] = smaller.data.eq_active
 
     def set_pose(self, slot: int, position: Vector, quaternion: Quaternion) -> None:
         """Set the pose of a brick ([m], quaternion w, x, y, z), at rest."""
@@ -130,12 +139,31 @@ class SlotModel:
         self._bodies[slot].return_from_ghost()
         self._bodies[slot].hide_ghost()
 
+    def join(self, weld: int, first: int, second: int) -> None:
+        """Let a weld hold the bricks of two slots in their present relative pose.
+
+        The anchor is the centre of the second brick. MuJoCo's frames of bodies are at the centres of mass.
+        """
+        model, (pose, other) = self.model, self.poses[[first, second]]
+        inverse = pose[3:] * (1, -1, -1, -1)
+        turn = np.empty(4)
+        mujoco.mju_mulQuat(turn, inverse, other[3:])
+        model.eq_obj1id[weld], model.eq_obj2id[weld] = 1 + first, 1 + second
+        model.eq_data[weld, :3] = 0.0
+        model.eq_data[weld, 3:6] = rotate(inverse[None], (other[:3] - pose[:3])[None])[0]
+        model.eq_data[weld, 6:10] = turn
+        self.data.eq_active[weld] = 1
+
+    def part(self, weld: int) -> None:
+        """Let a weld hold nothing."""
+        self.data.eq_active[weld] = 0
+
     def collided_copy(self) -> mujoco.MjData:
         """Return a copy of the state with the contacts at the present poses."""
         return mujoco_calls.collided_copy(self.model, self.data)
 
 
-def _mjcf(patterns: Sequence[Brick], world: World, profile: Profile, *, ghosts: bool) -> str:
+def _mjcf(patterns: Sequence[Brick], world: World, profile: Profile, *, ghosts: bool, welds: int) -> str:
     """Return the world as MuJoCo's XML; a knob ``element.attribute`` sets the attribute of that element."""
     timestep = profile.frame_s / profile.substeps
     settings: dict[str, dict[str, object]] = {
@@ -173,11 +201,24 @@ def _mjcf(patterns: Sequence[Brick], world: World, profile: Profile, *, ghosts: 
             {_assets(names)}
             <worldbody>
                 <geom type="plane" size="0 0 1" {_COLLIDES}/>
-                {"".join(f'<body {asleep} gravcomp="1"><freejoint/>{body}</body>' for body in bodies)}
+                {"".join(
+                    f'<body name="slot {slot}" {asleep} gravcomp="1"><freejoint/>{body}</body>'
+                    for slot, body in enumerate(bodies)
+                )}
                 {"".join(f'<body mocap="true">{body}</body>' for body in bodies) if ghosts else ""}
                 {"".join(fixed)}
             </worldbody>
+            <equality>{_idle_weld(timestep) * welds}</equality>
         </mujoco>"""
+
+
+def _idle_weld(timestep: float) -> str:
+    """Return a weld that holds nothing; the XML needs the name of a body, and ``SlotModel.join`` assigns both bodies.
+
+    As shipped a weld is soft: an overhanging plank tilted by 1.6 deg.
+    """
+    stiff = f'solref="{2 * timestep!r} 1" solimp="0.9999 0.9999 0.001"'
+    return f'<weld body1="slot 0" active="false" {stiff}/>'
 
 
 def _assets(names: Mapping[Polyhedron, str]) -> str:

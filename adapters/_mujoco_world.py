@@ -45,6 +45,8 @@ class MujocoWorld:
         for slot, pattern in enumerate(self._patterns):
             self._free[pattern].append(slot)
         self._slots: SlotModel | None = None
+        self._weld_of: dict[tuple[int, int], int] = {}  # MuJoCo's weld of each joined pair
+        self._free_welds: list[int] = []
 
     @property
     def slots(self) -> SlotModel:
@@ -104,6 +106,21 @@ class MujocoWorld:
         self.slots.hide_ghost(slot)
         self._let_live(slot)
 
+    def join(self, pair: tuple[int, int]) -> None:
+        """Join two live bodies; first, if no weld is free, compile a model with three more welds for each slot."""
+        if not self._free_welds:
+            first, more = self.slots.welds, 3 * len(self._patterns)
+            self._compile(ghosts=self.slots.has_ghosts, welds=first + more)
+            self._free_welds = list(range(first, first + more))
+        self._weld_of[pair] = self._free_welds.pop(0)
+        self.slots.join(self._weld_of[pair], *(self.slot_of[body] for body in pair))
+
+    def part(self, pair: tuple[int, int]) -> None:
+        """Part two joined bodies."""
+        weld = self._weld_of.pop(pair)
+        self.slots.part(weld)
+        self._free_welds.append(weld)
+
     def set_gravity(self, gravity: Vector) -> None:
         """Set the gravity [m/s2] of the steps that follow."""
         self._world = replace(self._world, gravity=gravity)
@@ -121,13 +138,22 @@ class MujocoWorld:
             if body in self._bodies.live:
                 self.slots.wake(slot)
 
-    def _compile(self, *, ghosts: bool) -> SlotModel:
-        """Compile a model for the present patterns, and copy the state of the old model."""
-        old, new = self._slots, SlotModel(self._patterns, self._world, self._profile, ghosts=ghosts)
+    def _compile(self, *, ghosts: bool, welds: int | None = None) -> SlotModel:
+        """Compile a model for the present patterns, and copy the state of the old model.
+
+        Args:
+            ghosts: True for a model with ghosts.
+            welds: number of welds; None for as many as in the old model.
+        """
+        old = self._slots
+        if welds is None:
+            welds = 0 if old is None else old.welds
+        new = SlotModel(self._patterns, self._world, self._profile, ghosts=ghosts, welds=welds)
         if old is not None:
             for body in self._bodies.frozen:
                 old.hide_ghost(self.slot_of[body])
             new.copy_state(old)
+            new.copy_welds(old)
         self._slots, self._geoms = new, Geoms(new)
         for body, slot in self.slot_of.items():
             self.geoms.assign(slot, body)

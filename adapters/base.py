@@ -127,6 +127,7 @@ class Simulation(EngineHooks):
             KeyError: if no body has this id.
         """
         self.bodies.check_known((body,))
+        self._port.part_from_all(body)
         self._end_force(body)
         self._remove(body)
         self._port.remove(body)
@@ -204,6 +205,7 @@ class Simulation(EngineHooks):
         self.bodies.check_known((body,))
         check_pose(position, quaternion)
         self._check_pose_in_plane(position, quaternion)
+        self._port.part_from_all(body)
         self._move(body, position, quaternion)
         self._port.note_move(body)
 

@@ -13,13 +13,16 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import ClassVar
+from typing import ClassVar, TypeAlias
 
 from adapters.profile import Capabilities, EngineInfo, Knob, KnobValue, Profile
 from adapters.shared.bodies import Bodies
 from adapters.shared.pair_friction import PairFriction
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import Contacts, FloatArray, IntArray
+
+Pair: TypeAlias = tuple[int, int]
+"""Two bodies, the smaller id first."""
 
 
 class EngineHooks(ABC):
@@ -169,6 +172,18 @@ class EngineHooks(ABC):
 
         The call may come at any time between steps. During the call ``bodies.frozen`` still contains the body.
         """
+
+    def _join(self, pair: Pair) -> None:
+        """Join two live bodies, so that they keep their present pose relative to each other.
+
+        The call may come at any time between steps, for a pair that is not joined. An adapter whose capabilities state
+        ``weld`` implements this hook and ``_part``.
+        """
+        raise NotImplementedError(f"{self.engine}: the capabilities state a weld, but the adapter has no method _join")
+
+    def _part(self, pair: Pair) -> None:
+        """End the joint of a joined pair. The call may come at any time between steps."""
+        raise NotImplementedError(f"{self.engine}: the capabilities state a weld, but the adapter has no method _part")
 
     @abstractmethod
     def _contacts(self) -> Contacts:

@@ -15,16 +15,17 @@ replaces these ids by ``GROUND`` for the core.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from adapters.hooks import EngineHooks
+from adapters.hooks import EngineHooks, Pair
 from adapters.shared.bodies import NO_FORCE
 from adapters.shared.contact_completion import BoxTable, edges_of, joined
 from adapters.shared.convex_contacts import ConvexContacts
 from adapters.shared.live_pairs import of_live
+from adapters.shared.refusals import check_weldable
 from adapters.shared.swept_contacts import HORIZON
 from scenarios.model import Brick
 from scenarios.solids import reach_of
@@ -38,7 +39,10 @@ NO_CONTACTS, NOWHERE = Contacts.empty(), np.empty((0, 3))
 
 
 class EnginePort:
-    """The core's view of a simulation: contacts and masses, and methods that freeze and unfreeze bodies."""
+    """The core's view of a simulation: contacts and masses, and methods that freeze and unfreeze bodies.
+
+    ``join`` and ``part`` are an optional fourth capability, which no policy of the core uses (ADR-0030).
+    """
 
     def __init__(self, engine: EngineHooks) -> None:
         self._engine = engine
@@ -46,6 +50,7 @@ class EnginePort:
         self._boxes = BoxTable(engine.world.fixed)
         self._solids = ConvexContacts(engine.world)
         self._found: Contacts | None = None  # the result of find_contacts, until the next step
+        self._joined: set[Pair] = set()
 
     # -- called by the core ------------------------------------------------------------------------
 
@@ -89,6 +94,7 @@ class EnginePort:
         self._bodies.check_known(bodies)
         for body in bodies:
             if body in self._bodies.live:
+                self.part_from_all(body)
                 if body in self._bodies.steady:
                     self._engine._press(body, NO_FORCE)
                 self._engine._freeze(body)
@@ -108,12 +114,49 @@ class EnginePort:
                 self._bodies.unfreeze(body)
         self._bodies.sort_live()
 
+    def join(self, pairs: Iterable[Pair]) -> None:
+        """Join pairs of live bodies: from the next step on, each pair keeps its present relative pose.
+
+        The port skips pairs that are joined. The order of the pairs, and of the bodies in a pair, does not matter. A
+        pair parts when one of its bodies is frozen, removed, or moved by the host.
+
+        Raises:
+            NotImplementedError: if the engine joins no bodies.
+            KeyError: if a body is not in the world.
+            ValueError: if a body is not live, or a pair has one body twice.
+        """
+        check_weldable(self._engine.engine, self._engine.capabilities)
+        for a, b in pairs:
+            self._bodies.check_known((a, b))
+            if a == b or a not in self._bodies.live or b not in self._bodies.live:
+                raise ValueError(
+                    f"join() needs pairs of two live bodies, got {(a, b)}: unfreeze both bodies first, and join no "
+                    "body that the host moves"
+                )
+            pair = (min(a, b), max(a, b))
+            if pair not in self._joined:
+                self._engine._join(pair)
+                self._joined.add(pair)
+
+    def part(self, pairs: Iterable[Pair]) -> None:
+        """Part joined pairs, so that their bodies move freely from the next step on; skip pairs that are not joined."""
+        for a, b in pairs:
+            pair = (min(a, b), max(a, b))
+            if pair in self._joined:
+                self._engine._part(pair)
+                self._joined.remove(pair)
+
     # -- called by the simulation ------------------------------------------------------------------
 
     def add(self, body: int, brick: Brick) -> None:
         """Add a new body."""
         self._solids.add(body, brick)
         self._boxes.add(body, edges_of(brick))
+
+    def part_from_all(self, body: int) -> None:
+        """Part a body from all bodies to which it is joined."""
+        if self._joined:
+            self.part([pair for pair in self._joined if body in pair])
 
     def remove(self, body: int) -> None:
         """Remove a body."""

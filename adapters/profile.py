@@ -130,6 +130,8 @@ class Capabilities:
     """True if bodies may have coefficients of restitution above 0, of which a pair has the geometric mean."""
     own_moments: bool = False
     """True if a body may have moments of inertia of its own."""
+    weld: str | None = None
+    """Mechanism that joins two bodies rigidly (``EnginePort.join``); None if the adapter joins no bodies."""
     reference: bool = False
     """True for a reference engine: written in this repository after a published method, and no product. Rankings of
     products leave it out."""

@@ -23,6 +23,7 @@ from typing import ClassVar
 import numpy as np
 
 from adapters.base import Simulation
+from adapters.hooks import Pair
 from adapters.port import EnginePort
 from adapters.profile import KnobValue
 from scenarios.model import Brick, Quaternion, Vector
@@ -98,6 +99,12 @@ class _ScaledSimulation(Simulation):
 
     def _unfreeze(self, body: int) -> None:
         self._larger.port.wake((body,))
+
+    def _join(self, pair: Pair) -> None:
+        self._larger.port.join((pair,))
+
+    def _part(self, pair: Pair) -> None:
+        self._larger.port.part((pair,))
 
     def _contacts(self) -> Contacts:
         return self._in_scene(self._larger._contacts())

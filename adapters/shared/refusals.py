@@ -1,4 +1,4 @@
-"""Refusal of bodies that an adapter cannot build; a trial with such a body ends as ``unsupported``."""
+"""Refusal of bodies and joints that an adapter cannot build; a trial that needs them ends as ``unsupported``."""
 
 from __future__ import annotations
 
@@ -45,3 +45,12 @@ def check_capable(engine: str, can: Capabilities, world: World, bricks: Iterable
                 f"{engine}: the adapter builds homogeneous bodies only, got moments of inertia {brick.moments} kg m2: "
                 "leave out the moments, or use another engine"
             )
+
+
+def check_weldable(engine: str, can: Capabilities) -> None:
+    """Raise ``NotImplementedError``, which gives the reason and the fix, if an engine joins no bodies."""
+    if can.weld is None:
+        raise NotImplementedError(
+            f"{engine}: the adapter joins no bodies, which the policies 'weld' and 'weld_own' need: use another policy, "
+            "or an engine whose capabilities state a weld"
+        )

@@ -157,7 +157,7 @@ class _Known:
 
 def _is_steered(trial: Setting) -> bool:
     """Return whether a trial uses the stability core."""
-    return BENCH_POLICIES[trial.policy].core is not None
+    return BENCH_POLICIES[trial.policy].is_steered
 
 
 def _id(trial: Setting) -> Hashable:

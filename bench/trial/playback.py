@@ -88,7 +88,7 @@ class Playback:
         Args:
             scene: the scene to build.
             simulation: an empty world.
-            policy: policy of the core; None for the engine alone.
+            policy: name of a policy with an extension; None for the engine alone.
             wall_limit_s: wall time [s] after which to stop.
             on_progress: function that receives the progress after every frame.
             audits_forces: True to audit contact forces during the watch of the finished stack, if the engine is alone;
@@ -239,4 +239,6 @@ class Playback:
             woken=len(steering.woken),
             woken_because=steering.summary,
             core_instructions=steering.instructions,
+            joined=steering.joined,
+            parted=steering.parted,
         )

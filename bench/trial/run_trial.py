@@ -100,7 +100,7 @@ def run_trial(
         playback = Playback(
             scene,
             simulation,
-            policy.core,
+            trial.policy if policy.is_steered else None,
             limits.trial_wall_s,
             on_progress,
             audits_forces=limits.forces,
@@ -135,7 +135,7 @@ def run_trial(
         **_creep(playback, limits.creep_per_min),
         **_timings(_standing_rows(playback), info.frame_s),
         **(
-            _ratio(trial, scene, playback) if policy.core is not None and limits.ratio and status not in _BROKEN else {}
+            _ratio(trial, scene, playback) if policy.is_steered and limits.ratio and status not in _BROKEN else {}
         ),
         "engine_version": info.version,
         "unit_scale": info.unit_scale,

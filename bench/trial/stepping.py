@@ -8,7 +8,10 @@ from dataclasses import dataclass, replace
 from time import perf_counter
 
 from adapters.base import Simulation
+from adapters.shared.refusals import check_weldable
+from bench.studies.policies import BENCH_POLICIES
 from bench.trial.timed_port import CountedPort, TimedPort
+from bench.welding import WeldChange, WeldExtension
 from scenarios.model import Vector
 from stability_core import Change, StabilityExtension
 
@@ -48,6 +51,10 @@ class Steering:
     """Reason for unfreezing each body in ``woken``."""
     instructions: int | None = None
     """Number of instructions of the core without port calls; None if they are not counted."""
+    joined: int | None = None
+    """Number of pairs that were joined; None for a policy that joins nothing."""
+    parted: int | None = None
+    """Number of pairs that were parted; None for a policy that joins nothing."""
 
     @property
     def summary(self) -> str:
@@ -78,21 +85,36 @@ class PlainFrames:
 
 
 class SteeredFrames:
-    """Frames of the engine with the stability extension."""
+    """Frames of the engine with an extension: the stability extension, or joints."""
 
-    def __init__(self, simulation: Simulation, policy: str, count: Callable[[], int] | None = None) -> None:
+    def __init__(
+        self,
+        simulation: Simulation,
+        policy: str,
+        count: Callable[[], int] | None = None,
+    ) -> None:
         """Attach the extension.
 
         Args:
             simulation: a world.
-            policy: policy of the core.
+            policy: name of a policy of the core, or of a policy that joins bodies.
             count: function that returns the number of instructions of this thread so far; None to count none.
+
+        Raises:
+            NotImplementedError: if the policy joins bodies, and the engine does not.
         """
         self._simulation = simulation
-        self._count = count
+        load = BENCH_POLICIES[policy].weld
+        self._count = count = None if load else count  # the count is that of the core
         self._counted = None if count is None else CountedPort(simulation.port, count)
         self._port = TimedPort(self._counted or simulation.port)
-        self._extension = StabilityExtension(self._port, policy=policy, gravity=simulation.world.gravity)
+        gravity = simulation.world.gravity
+        self._extension: StabilityExtension | WeldExtension
+        if load is None:
+            self._extension = StabilityExtension(self._port, policy=policy, gravity=gravity)
+        else:
+            check_weldable(simulation.engine, simulation.capabilities)
+            self._extension = WeldExtension(self._port, load, gravity)
         self._before: list[tuple[FrameTimes, Steering]] = []  # adoptions of prebuilt stacks since the last step
 
     def adopt(self, bodies: Sequence[int]) -> tuple[int, ...]:
@@ -113,8 +135,10 @@ class SteeredFrames:
             return played
         return _total([times for times, _ in parts]), _together([steering for _, steering in parts])
 
-    def _timed(self, engine: Callable[[], None], core: Callable[[], Change]) -> tuple[FrameTimes, Steering]:
-        """Call the engine, then the core; return the times of both and the changes of the core."""
+    def _timed(
+        self, engine: Callable[[], None], core: Callable[[], Change | WeldChange]
+    ) -> tuple[FrameTimes, Steering]:
+        """Call the engine, then the extension; return the times of both and the changes of the extension."""
         port = self._port
         port.reset()
         begin = perf_counter()
@@ -122,11 +146,15 @@ class SteeredFrames:
         done = perf_counter()
         change, instructions = self._with_instructions(core)
         core_s = perf_counter() - done - port.readback_s - port.steering_s
-        reasons = [change.reasons[body] for body in change.woken]
         times = FrameTimes(done - begin, port.readback_s, core_s, port.steering_s)
+        if isinstance(change, WeldChange):
+            return times, Steering(port.contact_points, (), (), (), None, len(change.joined), len(change.parted))
+        reasons = [change.reasons[body] for body in change.woken]
         return times, Steering(port.contact_points, change.frozen, change.woken, reasons, instructions)
 
-    def _with_instructions(self, core: Callable[[], Change]) -> tuple[Change, int | None]:
+    def _with_instructions(
+        self, core: Callable[[], Change | WeldChange]
+    ) -> tuple[Change | WeldChange, int | None]:
         """Call the core; return its changes and its number of instructions without port calls (None if not counted)."""
         if self._count is None or self._counted is None:
             return core(), None
@@ -165,11 +193,18 @@ def _total(times: Sequence[FrameTimes]) -> FrameTimes:
 
 
 def _together(parts: Sequence[Steering]) -> Steering:
-    counts = [part.instructions for part in parts]
     return Steering(
         sum(part.contacts for part in parts),
         [body for part in parts for body in part.frozen],
         [body for part in parts for body in part.woken],
         [reason for part in parts for reason in part.reasons],
-        None if None in counts else sum(count for count in counts if count is not None),
+        _sum([part.instructions for part in parts]),
+        _sum([part.joined for part in parts]),
+        _sum([part.parted for part in parts]),
     )
+
+
+def _sum(counts: Sequence[int | None]) -> int | None:
+    """Return the sum of counts, None if a count is unknown."""
+    known = [count for count in counts if count is not None]
+    return sum(known) if len(known) == len(counts) else None

@@ -5,11 +5,12 @@ The core itself reads no clock.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from time import perf_counter
 from typing import TypeVar
 
-from stability_core.port import Contacts, Masses, StabilityPort
+from bench.welding import Pair, WeldPort
+from stability_core.port import Contacts, Masses
 
 _Result = TypeVar("_Result")
 
@@ -19,7 +20,7 @@ class TimedPort:
 
     __slots__ = ("_clock", "_port", "contact_points", "readback_s", "steering_s")
 
-    def __init__(self, port: StabilityPort, clock: Callable[[], float] = perf_counter) -> None:
+    def __init__(self, port: WeldPort, clock: Callable[[], float] = perf_counter) -> None:
         """Wrap a port.
 
         Args:
@@ -35,7 +36,7 @@ class TimedPort:
         self.readback_s = 0.0
         """Time in ``contacts`` and ``masses`` [s]."""
         self.steering_s = 0.0
-        """Time in ``sleep`` and ``wake`` [s]."""
+        """Time in ``sleep``, ``wake``, ``join`` and ``part`` [s]."""
         self.contact_points = 0
         """Number of contact points read."""
 
@@ -66,13 +67,25 @@ class TimedPort:
         self._port.wake(bodies)
         self.steering_s += self._clock() - begin
 
+    def join(self, pairs: Iterable[Pair]) -> None:
+        """Join pairs of live bodies in their present relative poses."""
+        begin = self._clock()
+        self._port.join(pairs)
+        self.steering_s += self._clock() - begin
+
+    def part(self, pairs: Iterable[Pair]) -> None:
+        """Part joined pairs."""
+        begin = self._clock()
+        self._port.part(pairs)
+        self.steering_s += self._clock() - begin
+
 
 class CountedPort:
     """Port that forwards every call to another port and sums the instructions of the calls since the last ``reset``."""
 
     __slots__ = ("_count", "_port", "instructions")
 
-    def __init__(self, port: StabilityPort, count: Callable[[], int]) -> None:
+    def __init__(self, port: WeldPort, count: Callable[[], int]) -> None:
         """Wrap a port.
 
         Args:
@@ -103,6 +116,14 @@ class CountedPort:
     def wake(self, bodies: Sequence[int]) -> None:
         """Return frozen bodies to the engine."""
         self._counted(lambda: self._port.wake(bodies))
+
+    def join(self, pairs: Iterable[Pair]) -> None:
+        """Join pairs of live bodies in their present relative poses."""
+        self._counted(lambda: self._port.join(pairs))
+
+    def part(self, pairs: Iterable[Pair]) -> None:
+        """Part joined pairs."""
+        self._counted(lambda: self._port.part(pairs))
 
     def _counted(self, call: Callable[[], _Result]) -> _Result:
         begin = self._count()

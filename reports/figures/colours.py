@@ -30,6 +30,8 @@ _INKS = {
     "equilibrium": Ink("#007d5a", "#4fd1a5", (6, 1)),
     "pile": Ink("#3f6d8a", "#9fc9de", (5, 1, 1, 1)),
     "stacking_tree": Ink("#8f7a00", "#e6d44f", (2, 2)),
+    "weld": Ink("#5b4fb0", "#b3a9f2", (7, 1, 1, 1)),
+    "weld_own": Ink("#7d5a50", "#d6b3a8", (1, 2)),
 }
 _OTHERS = (
     Ink("#4d4d00", "#c9c95a", (3, 3)),

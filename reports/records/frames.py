@@ -63,6 +63,10 @@ class FrameRow(NamedTuple):
     the engine reports no iterations."""
     core_instructions: int | None = None
     """Instructions of the core in user code, without port calls; null if the system cannot count instructions."""
+    joined: int | None = None
+    """Number of pairs of bodies that were joined in this frame; null for a policy that joins nothing."""
+    parted: int | None = None
+    """Number of pairs of bodies that were parted in this frame; null for a policy that joins nothing."""
 
 
 _COUNT, _REAL = pa.int32(), pa.float64()
@@ -85,6 +89,8 @@ SCHEMA = pa.schema(
         pa.field("bridge_ms", _REAL),
         pa.field("solver_iterations", _COUNT),
         pa.field("core_instructions", pa.int64()),
+        pa.field("joined", _COUNT),
+        pa.field("parted", _COUNT),
     ]
 )
 

@@ -13,5 +13,7 @@ POLICY_SENTENCES: Mapping[str, str] = {
     "equilibrium": "Exact statics: a brick freezes if contact forces with friction exist that hold the whole stack.",
     "pile": "After Hsu and Keyser 2010: bricks inside a pile freeze, those on its slope stay live.",
     "stacking_tree": "After Zhao and others 2022: as the paper for flat bricks, but levers share out a load.",
+    "weld": "After Hsu and Keyser 2012: bricks in equilibrium under what they carry are joined, nothing freezes.",
+    "weld_own": "As weld, but each brick counts its own weight only, so that a stack beyond its balance may stay joined.",
 }
 """Description of each sleeping method, by its name."""
