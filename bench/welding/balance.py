@@ -14,9 +14,14 @@ The dual problem has six unknowns y, however many contacts there are:
 
 Newton's method solves it. Its derivative is I + D_+ D_+^T / ridge, with the edges D_+ whose force is positive.
 
-With ``carried`` the bodies are tested from the top down, and each body hands the reactions of its forces to the bodies
-below as their load. Then a body bears its whole stack. Without ``carried`` the load is the body's own weight, and every
-contact may push, also a contact with a body above.
+The load is one of two:
+
+- own: the body's own weight. Every contact may push the body, also a contact with a body above.
+- carried: the body's weight, and the weights that it carries, as in Eqs 1 to 5 of Thomsen and Kraus. A contact is
+  load-bearing if its friction cone contains the vertical. The bodies are tested from the top down along these contacts.
+  A tested body hands the vertical part of each force on its load-bearing contacts to the body below, at the place of the
+  contact. So the body below bears this weight, and the contact does not push it otherwise. The other contacts push both
+  of their bodies, as with the own weight.
 """
 
 from __future__ import annotations
@@ -51,18 +56,20 @@ class Touches(NamedTuple):
     """Unit normals from a to b, shape (n, 3)."""
     friction: FloatArray
     """Coulomb coefficients, shape (n,)."""
+    bears: BoolArray
+    """True for a load-bearing contact, shape (n,)."""
 
 
 @numba.njit(cache=True)
 def _order(count: int, touches: Touches, height: FloatArray, up: FloatArray) -> IntArray:
     """Return the rows of all bodies, each after the bodies that stand on it; in a circle the highest body comes first.
 
-    The upper body of a contact is the body that the contact pushes up.
+    A body stands on another if a load-bearing contact of both pushes it up.
     """
     above = np.zeros((count, count), np.bool_)
     for i in range(len(touches.a)):
         a, b = touches.a[i], touches.b[i]
-        if a >= 0 and b >= 0:
+        if touches.bears[i] and a >= 0 and b >= 0:
             if np.dot(touches.normal[i], up) > 0.0:
                 above[a, b] = True  # b stands on a
             else:
@@ -175,8 +182,8 @@ def residuals(
             if a != body and b != body:
                 continue
             other = b if a == body else a
-            if carried and other >= 0 and is_done[other]:
-                continue  # its push is part of the load
+            if carried and touches.bears[i] and other >= 0 and is_done[other]:
+                continue  # its weight is part of the load
             rows[found], sign[found] = i, 1.0 if b == body else -1.0
             found += 1
         load = borne[body].copy()
@@ -191,11 +198,13 @@ def residuals(
             continue
         for i in range(found):
             other = touches.a[rows[i]] if sign[i] > 0.0 else touches.b[rows[i]]
-            if other < 0:
+            if other < 0 or not touches.bears[rows[i]]:
                 continue
-            reaction = np.zeros(3)
+            weight = 0.0
             for edge in range(i * EDGES, (i + 1) * EDGES):
-                reaction -= unit * forces[edge] * wrenches[:3, edge]
+                for k in range(3):
+                    weight += unit * forces[edge] * wrenches[k, edge] * up[k]
+            reaction = -weight * up
             borne[other, :3] += reaction
             borne[other, 3:] += np.cross(touches.point[rows[i]] - center[other], reaction)
     return lacking

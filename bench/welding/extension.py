@@ -11,6 +11,7 @@ import numpy as np
 from bench.welding.balance import Touches, residuals
 from bench.welding.bodies import NOBODY, BodyTable
 from bench.welding.joints import Pair, new_joints
+from bench.welding.recent_contacts import RecentContacts
 from bench.welding.settings import CORE, FAILURES, MAX_RESIDUAL, REVIEW_S
 from stability_core.port import BoolArray, Contacts, FloatArray, IntArray, StabilityPort
 from stability_core.settings import ROUNDING_S
@@ -75,6 +76,7 @@ class WeldExtension:
         self._load = load
         self._gravity = np.array(gravity, np.float64)
         self._bodies = BodyTable()
+        self._recent = RecentContacts()
         self.joined: set[Pair] = set()
         """Pairs that are joined."""
         self._since_s = 0.0  # time since the latest review
@@ -104,10 +106,10 @@ class WeldExtension:
 
     def adopt(self, bodies: Iterable[int]) -> WeldChange:
         """Review bodies of a prebuilt stack at once, as if they had been at rest."""
-        seen = self._look(np.inf)
+        self._look(np.inf)
         rows = self._bodies.rows_of(np.fromiter(bodies, np.int64))
         self._bodies.rows["rest_s"][rows[rows != NOBODY]] = CORE.rest_s
-        return self._change(self._review(seen))
+        return self._change(self._review())
 
     def update(self, dt: float) -> WeldChange:
         """Read the world after a step of ``dt`` seconds; part and join bodies."""
@@ -116,12 +118,13 @@ class WeldExtension:
             self._release(body, "struck")
         self._since_s += dt
         is_due = self._is_due or self._since_s >= REVIEW_S - ROUNDING_S
-        return self._change(self._review(seen) if is_due else ())
+        return self._change(self._review() if is_due else ())
 
     def _look(self, dt: float) -> _Seen:
         """Read bodies and contacts; update sizes and times at rest."""
         contacts, masses = self._port.contacts(), self._port.masses()
         table = self._bodies
+        self._recent.forget(masses.removed)
         if table.follow(masses, dt):
             known = set(table.rows["id"].tolist())
             self.joined = {pair for pair in self.joined if known.issuperset(pair)}
@@ -135,7 +138,9 @@ class WeldExtension:
         sliding = np.linalg.norm(contacts.relative_velocity - along[:, None] * contacts.normal, axis=1)
         seen = _Seen(a, b, contacts, -along, np.minimum(size[a], size[b]))
         slip = np.zeros(len(table.rows) + 1)
-        touching = self._touches(seen) & np.isfinite(sliding)
+        touches = self._touches(seen)
+        self._recent.add(contacts.chosen(touches), dt)
+        touching = touches & np.isfinite(sliding)
         for rows in (a, b):
             np.maximum.at(slip, rows[touching], sliding[touching])
         if np.isfinite(dt):
@@ -148,10 +153,14 @@ class WeldExtension:
 
     def _touches(self, seen: _Seen) -> BoolArray:
         """Return the mask of the contact points that may carry force, by the core's rules for gaps, shape (n,)."""
-        upward = np.abs(seen.contacts.normal @ self._gravity) / self._strength
-        bears = upward >= 1.0 / np.sqrt(1.0 + seen.contacts.friction**2)
-        gap = np.where(bears, CORE.contact_gap, CORE.touch_gap) * seen.size
+        gap = np.where(self._bears(seen.contacts), CORE.contact_gap, CORE.touch_gap) * seen.size
         mask: BoolArray = ~(seen.contacts.separation > gap)  # an unknown (NaN) separation counts as touch
+        return mask
+
+    def _bears(self, contacts: Contacts) -> BoolArray:
+        """Return the mask of the load-bearing contacts, whose friction cone contains the vertical, shape (n,)."""
+        upward = np.abs(contacts.normal @ self._gravity) / self._strength
+        mask: BoolArray = upward >= 1.0 / np.sqrt(1.0 + contacts.friction**2)
         return mask
 
     def _struck(self, seen: _Seen, dt: float) -> list[int]:
@@ -164,11 +173,12 @@ class WeldExtension:
         rows = np.unique(np.concatenate((seen.a[hard], seen.b[hard])))
         return self._ids(rows[rows != NOBODY])
 
-    def _review(self, seen: _Seen) -> list[Pair]:
+    def _review(self) -> list[Pair]:
         """Test all bodies; part joined bodies out of equilibrium, and return the pairs to join."""
         self._since_s, self._is_due = 0.0, False
-        rows = self._bodies.rows
-        lacking = self._residuals(seen)
+        rows, touches = self._bodies.rows, self._recent_touches()
+        center, size, mass = (np.ascontiguousarray(rows[name]) for name in ("center", "size", "mass"))
+        lacking = residuals(center, size, mass, self._gravity, touches, self._load == "carried")
         passes = lacking <= MAX_RESIDUAL
         is_joined = np.isin(rows["id"], [body for pair in self.joined for body in pair])
         rows["failures"] = np.where(passes | ~is_joined, 0, rows["failures"] + 1)
@@ -176,31 +186,22 @@ class WeldExtension:
             self._release(body, "out of balance")
         self._is_due = bool(rows["failures"].any())
         ready = passes & (rows["rest_s"] >= CORE.rest_s - ROUNDING_S) & ~rows["held"]
-        return new_joints(self._candidates(seen, ready), self.joined)
+        return new_joints(self._candidates(touches, ready), self.joined)
 
-    def _residuals(self, seen: _Seen) -> FloatArray:
-        """Return the force and moment that each body lacks for equilibrium, shape (m,)."""
-        rows, contacts, touching = self._bodies.rows, seen.contacts, self._touches(seen)
-        touches = Touches(
-            seen.a[touching],
-            seen.b[touching],
-            contacts.point[touching],
-            contacts.normal[touching],
-            contacts.friction[touching],
-        )
-        center, size, mass = (np.ascontiguousarray(rows[name]) for name in ("center", "size", "mass"))
-        lacking: FloatArray = residuals(center, size, mass, self._gravity, touches, self._load == "carried")
-        return lacking
+    def _recent_touches(self) -> Touches:
+        """Return the contact points that may carry force, by rows of the table."""
+        contacts = self._recent.latest_of_pairs()
+        a, b = self._bodies.rows_of(contacts.body_a), self._bodies.rows_of(contacts.body_b)
+        return Touches(a, b, contacts.point, contacts.normal, contacts.friction, self._bears(contacts))
 
-    def _candidates(self, seen: _Seen, ready: BoolArray) -> list[Pair]:
+    def _candidates(self, touches: Touches, ready: BoolArray) -> list[Pair]:
         """Return the touching pairs of ``ready`` bodies that are not joined, nearest to the ground first."""
-        between = self._touches(seen) & (seen.a != NOBODY) & (seen.b != NOBODY)
-        between &= np.append(ready, False)[seen.a] & np.append(ready, False)[seen.b]
-        height = -(seen.contacts.point[between] @ self._gravity)
-        lower, upper = np.minimum(seen.a, seen.b)[between], np.maximum(seen.a, seen.b)[between]
-        ids = self._bodies.rows["id"]
-        pairs = [(int(ids[lower[i]]), int(ids[upper[i]])) for i in np.argsort(height, kind="stable")]
-        return [pair for pair in dict.fromkeys(pairs) if pair not in self.joined]
+        is_ready = np.append(ready, False)  # the last one for NOBODY
+        between = np.flatnonzero(is_ready[touches.a] & is_ready[touches.b])
+        nearest = between[np.argsort(-(touches.point[between] @ self._gravity), kind="stable")]
+        pairs = zip(self._ids(touches.a[nearest]), self._ids(touches.b[nearest]), strict=True)
+        distinct = dict.fromkeys((min(pair), max(pair)) for pair in pairs)
+        return [pair for pair in distinct if pair not in self.joined]
 
     def _release(self, body: int, reason: str) -> None:
         """Part a body from all its neighbours; it must rest again before it is joined again."""
