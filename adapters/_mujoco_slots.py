@@ -201,10 +201,12 @@ def _mjcf(patterns: Sequence[Brick], world: World, profile: Profile, *, ghosts: 
             {_assets(names)}
             <worldbody>
                 <geom type="plane" size="0 0 1" {_COLLIDES}/>
-                {"".join(
-                    f'<body name="slot {slot}" {asleep} gravcomp="1"><freejoint/>{body}</body>'
-                    for slot, body in enumerate(bodies)
-                )}
+                {
+        "".join(
+            f'<body name="slot {slot}" {asleep} gravcomp="1"><freejoint/>{body}</body>'
+            for slot, body in enumerate(bodies)
+        )
+    }
                 {"".join(f'<body mocap="true">{body}</body>' for body in bodies) if ghosts else ""}
                 {"".join(fixed)}
             </worldbody>

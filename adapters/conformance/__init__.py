@@ -21,6 +21,7 @@ from adapters.conformance import (
     housekeeping,
     motion,
     shapes,
+    welds,
 )
 from adapters.conformance.rig import ConformanceError, Rig
 from adapters.profile import Capabilities
@@ -69,6 +70,11 @@ class Check:
 def _has_shapes(capabilities: Capabilities) -> bool:
     """Return whether an adapter builds other shapes than boxes."""
     return len(capabilities.shapes) > 1
+
+
+def _joins(capabilities: Capabilities) -> bool:
+    """Return whether an adapter joins bodies."""
+    return capabilities.weld is not None
 
 
 CHECKS: tuple[Check, ...] = (
@@ -146,4 +152,15 @@ CHECKS: tuple[Check, ...] = (
         capable=lambda capabilities: capabilities.restitution,
         as_shipped=False,
     ),
+    Check(welds.holds_an_overhanging_plank, capable=_joins),
+    Check(
+        welds.keeps_the_turn_of_a_joined_plank,
+        capable=lambda capabilities: _joins(capabilities) and not capabilities.planar,
+    ),
+    Check(welds.moves_as_one_body, capable=_joins, as_shipped=False),
+    Check(welds.holds_a_chain_of_ten, capable=_joins, as_shipped=False),
+    Check(welds.joins_once, capable=_joins),
+    Check(welds.ends_joints_with_their_bodies, capable=_joins),
+    Check(welds.refuses_to_join_what_is_not_live, capable=_joins),
+    Check(welds.refuses_to_join, capable=lambda capabilities: not _joins(capabilities)),
 )

@@ -134,9 +134,7 @@ def run_trial(
         **_seen(playback),
         **_creep(playback, limits.creep_per_min),
         **_timings(_standing_rows(playback), info.frame_s),
-        **(
-            _ratio(trial, scene, playback) if policy.is_steered and limits.ratio and status not in _BROKEN else {}
-        ),
+        **(_ratio(trial, scene, playback) if policy.is_steered and limits.ratio and status not in _BROKEN else {}),
         "engine_version": info.version,
         "unit_scale": info.unit_scale,
         "wall_s": perf_counter() - begin,

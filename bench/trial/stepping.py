@@ -152,9 +152,7 @@ class SteeredFrames:
         reasons = [change.reasons[body] for body in change.woken]
         return times, Steering(port.contact_points, change.frozen, change.woken, reasons, instructions)
 
-    def _with_instructions(
-        self, core: Callable[[], Change | WeldChange]
-    ) -> tuple[Change | WeldChange, int | None]:
+    def _with_instructions(self, core: Callable[[], Change | WeldChange]) -> tuple[Change | WeldChange, int | None]:
         """Call the core; return its changes and its number of instructions without port calls (None if not counted)."""
         if self._count is None or self._counted is None:
             return core(), None

@@ -119,7 +119,8 @@ def _edges_of(touches: Touches, rows: IntArray, sign: FloatArray, center: FloatA
 @numba.njit(cache=True)
 def _value(residual: FloatArray, load: FloatArray, forces: FloatArray) -> float:
     """Return the dual function, which Newton's method minimises."""
-    return 0.5 * np.dot(residual, residual) - np.dot(residual, load) + 0.5 * RIDGE * np.dot(forces, forces)
+    value: float = 0.5 * np.dot(residual, residual) - np.dot(residual, load) + 0.5 * RIDGE * np.dot(forces, forces)
+    return value
 
 
 @numba.njit(cache=True)

@@ -11,11 +11,13 @@ from stability_core.settings import Settings
 CORE = Settings()
 """The core's tolerances, from which the policies take rest, touch and impact, so that all policies see the same."""
 REVIEW_S = 0.1
-"""Time [s] between two reviews of all bodies: the core's ``rest_s``. An event, such as an impact, brings the next review
-forward."""
+"""Time [s] between two reviews of all bodies, equal to the core's ``rest_s``. An event, such as an impact, brings the
+next review forward."""
 MAX_RESIDUAL = 0.01
-"""Greatest force and moment that a body in equilibrium may lack, as a share of its load, and of its load times its size.
-A contact point off by 0.6 mm on a plank of 60 mm has this moment."""
+"""Greatest force and moment that a body in equilibrium may lack, as a share of its load, and of load times size.
+
+On a plank of size 60 mm a load 0.6 mm outside the contact area lacks this moment, and engines report contact points to
+0.1 mm."""
 FAILURES = 2
 """Number of reviews in succession that a joined body must fail before it is parted, because engines drop single contact
 points for a frame. The second review follows in the next frame."""

@@ -14,6 +14,6 @@ POLICY_SENTENCES: Mapping[str, str] = {
     "pile": "After Hsu and Keyser 2010: bricks inside a pile freeze, those on its slope stay live.",
     "stacking_tree": "After Zhao and others 2022: as the paper for flat bricks, but levers share out a load.",
     "weld": "After Hsu and Keyser 2012: bricks in equilibrium under what they carry are joined, nothing freezes.",
-    "weld_own": "As weld, but each brick counts its own weight only, so that a stack beyond its balance may stay joined.",
+    "weld_own": "As weld, but each brick counts its own weight only: an overloaded stack may stay joined.",
 }
 """Description of each sleeping method, by its name."""
