@@ -38,6 +38,7 @@ from robox3d._ffi import lib
 from adapters._box3d_contacts import ContactReader, Manifolds
 from adapters._box3d_state import poses_of, velocities_of
 from adapters._box3d_world import KNOBS, Box3dWorld, set_velocity, split
+from adapters.hooks import Pair
 from adapters.profile import Capabilities, KnobValue
 from adapters.profile_files import load_settings
 from adapters.shared.box_contacts import NEAR
@@ -75,6 +76,7 @@ class Box3dSimulation(SubstepSimulation):
         other_shapes="Box3D's cylinder is a prism, on which it comes to rest",
         own_friction=True,
         own_moments=True,
+        weld="a weld joint",
     )
 
     def _open(self) -> None:
@@ -157,6 +159,12 @@ class Box3dSimulation(SubstepSimulation):
         lib.b3Body_SetType(handle, lib.b3_dynamicBody)
         self._engine.restore_inertia(body, self.bricks[body])
         lib.b3Body_SetAwake(handle, True)
+
+    def _join(self, pair: Pair) -> None:
+        self._engine.join(pair)
+
+    def _part(self, pair: Pair) -> None:
+        self._engine.part(pair)
 
     def _contacts(self) -> Contacts:
         if self.reads_forces and self._solved is None and self._substep_s:

@@ -49,6 +49,7 @@ import numpy as np
 from adapters._dart_coordinates import coordinates_of, quaternions_of
 from adapters._dart_settings import HAS_DEACTIVATION, KNOBS, MISSING_KNOBS
 from adapters._dart_world import DartWorld
+from adapters.hooks import Pair
 from adapters.profile import Capabilities, KnobValue
 from adapters.profile_files import load_settings
 from adapters.shared.contact_forces import SubstepForces
@@ -90,6 +91,7 @@ class DartSimulation(SubstepSimulation):
         shapes=("box", "capsule", "sphere"),
         other_shapes="DART finds one point of a cylinder in a step, so that it sinks, and reads meshes from files only",
         own_moments=True,
+        weld="a weld constraint, with the dense solver",
     )
 
     def _open(self) -> None:
@@ -188,6 +190,12 @@ class DartSimulation(SubstepSimulation):
 
     def _unfreeze(self, body: int) -> None:
         unfreeze(self._engine.skeletons[body])
+
+    def _join(self, pair: Pair) -> None:
+        self._engine.join(pair)
+
+    def _part(self, pair: Pair) -> None:
+        self._engine.part(pair)
 
     def _contacts(self) -> Contacts:
         if self._latest is None:

@@ -30,6 +30,7 @@ class DartWorld:
         """Skeleton of each body."""
         self.joints: dict[int, Any] = {}
         """Joint of each body."""
+        self._welds: dict[tuple[int, int], Any] = {}  # constraint of each joined pair
         self._friction = world.friction
         self._has_capsules = self._knobs.get("collision_detector") == "DART"
         self._room = 0  # number of bricks to which DART's limit on contacts is raised
@@ -81,6 +82,16 @@ class DartWorld:
         del self.joints[body]
         self.world.removeSkeleton(self.skeletons.pop(body))
 
+    def join(self, pair: tuple[int, int]) -> None:
+        """Join two bodies by a weld constraint, with which DART's dense solver replaces the matrix-free solver."""
+        first, second = (self.skeletons[body].getBodyNode(0) for body in pair)
+        self._welds[pair] = dartpy.constraint.WeldJointConstraint(first, second)
+        self.world.getConstraintSolver().addConstraint(self._welds[pair])
+
+    def part(self, pair: tuple[int, int]) -> None:
+        """Remove the constraint of two bodies."""
+        self.world.getConstraintSolver().removeConstraint(self._welds.pop(pair))
+
     def coordinates(self, bodies: Iterable[int]) -> FloatArray:
         """Return free joints' coordinates (n, 6) in world axes: rotation vectors [rad], then positions [m]."""
         return rows_of([self.joints[body].getPositions() for body in bodies], 6)
@@ -91,6 +102,7 @@ class DartWorld:
 
     def close(self) -> None:
         """Free the joints, the skeletons and then the world, because a wrapper that outlives the world crashes."""
+        self._welds.clear()
         self.joints.clear()
         self.skeletons.clear()
         del self.world

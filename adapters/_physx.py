@@ -26,12 +26,14 @@ Traps:
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Iterator, Mapping
 
 import numpy as np
 
 from adapters._physx_world import KNOBS, PhysxWorld
+from adapters.hooks import Pair
 from adapters.profile import Capabilities, KnobValue
 from adapters.profile_files import load_settings
 from adapters.shared.contact_forces import SubstepForces
@@ -82,6 +84,7 @@ class PhysxSimulation(SubstepSimulation):
         shapes=("box", "capsule", "sphere", "polyhedron"),
         other_shapes="SAPIEN's cylinder is a prism of 30 faces, on which it comes to rest",
         own_moments=True,
+        weld="a joint of six locked axes",
     )
 
     def _open(self) -> None:
@@ -174,6 +177,12 @@ class PhysxSimulation(SubstepSimulation):
 
     def _unfreeze(self, body: int) -> None:
         unfreeze(self._components[body])
+
+    def _join(self, pair: Pair) -> None:
+        self._engine.join(pair, math.hypot(*self.bricks[pair[0]].size))
+
+    def _part(self, pair: Pair) -> None:
+        self._engine.part(pair)
 
     def _contacts(self) -> Contacts:
         pairs, numbers = touching_points(self._listed(), self.scale)

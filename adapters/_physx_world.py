@@ -53,6 +53,7 @@ class PhysxWorld:
 
         While the map holds the Python object of a component, SAPIEN returns this object for the component.
         """
+        self._joints: dict[tuple[int, int], list[Any]] = {}  # of each joined pair
         self._removed_components: list[Any] = []  # removed after the latest step
         self.states = BodyStates(self.system, self.components, self.body_of)
 
@@ -99,6 +100,29 @@ class PhysxWorld:
         self._scene.remove_entity(component.entity)
         self._removed_components.append(component)
         self.states.count_rows()
+
+    def join(self, pair: tuple[int, int], radius: float) -> None:
+        """Join two bodies by joints that lock three points, ``radius`` [m] from the middle of both."""
+        first, second = (self.components[body] for body in pair)
+        poses = [component.entity.pose for component in (first, second)]
+        middle = (poses[0].p + poses[1].p) / 2
+        self._joints[pair] = []
+        for point in middle + radius * np.eye(3, dtype=np.float32):
+            joint = physx.PhysxDriveComponent(second)
+            joint.set_parent(first)
+            joint.set_pose_in_parent(poses[0].inv() * sapien.Pose(point))
+            joint.set_pose_in_child(poses[1].inv() * sapien.Pose(point))
+            for lock in (joint.set_limit_x, joint.set_limit_y, joint.set_limit_z):
+                lock(0.0, 0.0)
+            second.entity.add_component(joint)
+            self._joints[pair].append(joint)
+
+    def part(self, pair: tuple[int, int]) -> None:
+        """Remove the joints of two bodies."""
+        for joint in self._joints.pop(pair):
+            joint.entity.remove_component(joint)
+        for body in pair:
+            self.components[body].wake_up()
 
     def set_gravity(self, gravity: Vector) -> None:
         """Set the gravity [m/s2] of the steps that follow."""

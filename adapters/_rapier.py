@@ -40,6 +40,7 @@ import rapier3d
 
 from adapters._rapier_contacts import in_bodies, in_world
 from adapters._rapier_world import RapierWorld, knows
+from adapters.hooks import Pair
 from adapters.profile import Capabilities, KnobValue
 from adapters.profile_files import load_settings
 from adapters.shared.box_contacts import NEAR
@@ -78,6 +79,7 @@ class RapierSimulation(SubstepSimulation):
         own_friction=True,
         restitution=True,
         own_moments=True,
+        weld="a fixed joint",
     )
 
     def _open(self) -> None:
@@ -179,6 +181,12 @@ class RapierSimulation(SubstepSimulation):
     def _unfreeze(self, body: int) -> None:
         self._still_active.discard(body)
         unfreeze(self._views[body])
+
+    def _join(self, pair: Pair) -> None:
+        self._engine.join(pair)
+
+    def _part(self, pair: Pair) -> None:
+        self._engine.part(pair)
 
     def _contacts(self) -> Contacts:
         return self._read_contacts(self._engine.world.narrow_phase)

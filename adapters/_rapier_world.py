@@ -28,6 +28,8 @@ half of its area."""
 AXIS_FROM_Y_TO_Z: Vector = (math.pi / 2, 0.0, 0.0)
 """Rotation vector [rad] from the axis of Rapier's cylinder to the axis of a brick."""
 
+_UNTURNED = (0.0, 0.0, 0.0, 1.0)
+
 
 def knows(knob: str) -> bool:
     """Return whether a knob of this name may exist; Rapier itself rejects an unknown setting of the world."""
@@ -48,6 +50,7 @@ class RapierWorld:
         """Positions (k, 3) [m] and quaternions (k, 4) of fixed boxes and ground, by rising id."""
         self.turned: set[int] = set()
         """Cylinders, whose collider is turned in its body, because Rapier's cylinders have their axis along y."""
+        self._joints: dict[tuple[int, int], rapier3d.ImpulseJointHandle] = {}  # of each joined pair
         self._world = world
         values = profile.values
         self._can_sleep = bool(values.get("body.can_sleep", True))
@@ -92,6 +95,20 @@ class RapierWorld:
         self.remove(body)
         self._add(body, brick, rapier3d.RigidBody.fixed().position(position))
         settle_rotation(self.views[body])
+
+    def join(self, pair: tuple[int, int]) -> None:
+        """Join two bodies by a fixed joint at the middle between their centres."""
+        frames = [self.views[body].position for body in pair]
+        x, y, z = np.mean([frame.translation.to_tuple() for frame in frames], axis=0).tolist()
+        middle = rapier3d.Isometry3((x, y, z), _UNTURNED)
+        first, second = (frame.inverse() * middle for frame in frames)
+        joint = rapier3d.FixedJointBuilder().local_frame1(first).local_frame2(second).contacts_enabled(True).build()
+        handles = [self.handles[body] for body in pair]
+        self._joints[pair] = self.world.impulse_joints.insert(*handles, joint, True)
+
+    def part(self, pair: tuple[int, int]) -> None:
+        """Remove the joint of two bodies."""
+        self.world.impulse_joints.remove(self._joints.pop(pair), True)
 
     def set_gravity(self, gravity: Vector) -> None:
         """Set the gravity [m/s2] of the steps that follow, and wake all bodies."""

@@ -51,6 +51,6 @@ def check_weldable(engine: str, can: Capabilities) -> None:
     """Raise ``NotImplementedError``, which gives the reason and the fix, if an engine joins no bodies."""
     if can.weld is None:
         raise NotImplementedError(
-            f"{engine}: the adapter joins no bodies, which the policies 'weld' and 'weld_own' need: use another policy, "
-            "or an engine whose capabilities state a weld"
+            f"{engine}: the adapter joins no bodies, as the policies 'weld' and 'weld_own' do: use another policy, or "
+            "an engine whose capabilities state a weld"
         )

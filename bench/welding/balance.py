@@ -1,4 +1,4 @@
-"""The local test of equilibrium: can contact forces within their friction cones hold one body and its load?
+"""The local test of equilibrium: contact forces within their friction cones must hold one body and its load.
 
 For a body with load w (force and moment about its centre), and with edges d_j of the friction cones of its contacts as
 wrenches, the test solves
@@ -19,9 +19,9 @@ The load is one of two:
 - own: the body's own weight. Every contact may push the body, also a contact with a body above.
 - carried: the body's weight, and the weights that it carries, as in Eqs 1 to 5 of Thomsen and Kraus. A contact is
   load-bearing if its friction cone contains the vertical. The bodies are tested from the top down along these contacts.
-  A tested body hands the vertical part of each force on its load-bearing contacts to the body below, at the place of the
-  contact. So the body below bears this weight, and the contact does not push it otherwise. The other contacts push both
-  of their bodies, as with the own weight.
+  A tested body hands the vertical part of each force on its load-bearing contacts to the body below, at the place of
+  the contact. So the body below bears this weight, and the contact does not push it otherwise. The other contacts push
+  both of their bodies, as with the own weight.
 """
 
 from __future__ import annotations
@@ -149,6 +149,33 @@ def _forces(wrenches: FloatArray, load: FloatArray) -> tuple[FloatArray, FloatAr
 
 
 @numba.njit(cache=True)
+def _pushing(touches: Touches, body: int, loads: BoolArray, rows: IntArray, sign: FloatArray) -> int:
+    """List the contacts that may push ``body``, but not those that carry one of its ``loads``, shape (m,).
+
+    Args:
+        touches: all contacts.
+        body: the body's row.
+        loads: True for the bodies that are tested, whose weight is part of the load.
+        rows: output, the rows of the contacts.
+        sign: output, 1 for a normal towards the body, -1 for a normal away from it.
+
+    Returns:
+        Number of listed contacts.
+    """
+    found = 0
+    for i in range(len(touches.a)):
+        a, b = touches.a[i], touches.b[i]
+        if a != body and b != body:
+            continue
+        other = b if a == body else a
+        if touches.bears[i] and other >= 0 and loads[other]:
+            continue
+        rows[found], sign[found] = i, 1.0 if b == body else -1.0
+        found += 1
+    return found
+
+
+@numba.njit(cache=True)
 def residuals(
     center: FloatArray,
     size: FloatArray,
@@ -171,22 +198,13 @@ def residuals(
     up = -gravity / strength
     lacking = np.ones(count)
     borne = np.zeros((count, 6))  # force [N], and moment [N m] about the body's own centre, from the bodies on it
-    is_done = np.zeros(count, np.bool_)
+    is_done, nobody = np.zeros(count, np.bool_), np.zeros(count, np.bool_)
     rows, sign = np.empty(len(touches.a), np.int64), np.empty(len(touches.a))
     for body in _order(count, touches, center @ up, up):
         is_done[body] = True
         if size[body] == 0.0:
             continue
-        found = 0
-        for i in range(len(touches.a)):
-            a, b = touches.a[i], touches.b[i]
-            if a != body and b != body:
-                continue
-            other = b if a == body else a
-            if carried and touches.bears[i] and other >= 0 and is_done[other]:
-                continue  # its weight is part of the load
-            rows[found], sign[found] = i, 1.0 if b == body else -1.0
-            found += 1
+        found = _pushing(touches, body, is_done if carried else nobody, rows, sign)
         load = borne[body].copy()
         load[:3] += mass[body] * gravity
         unit = mass[body] * strength + np.sqrt(np.dot(borne[body, :3], borne[body, :3]))

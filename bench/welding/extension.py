@@ -1,4 +1,4 @@
-"""The loop of the welding policies: read contacts, part the bodies that were struck, and review all bodies now and then."""
+"""The loop of the welding policies: read contacts, part struck bodies, and review all bodies ten times a second."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from stability_core.settings import ROUNDING_S
 Load = Literal["own", "carried"]
 """Load of a body in the test of equilibrium: its own weight, or also what stands on it."""
 AHEAD = 1.5
-"""Time [frames] within which the gap of a contact must close so that the contact counts as an impact, as in the core."""
+"""Time [frames] within which a contact's gap must close so that the contact counts as an impact, as in the core."""
 
 
 class WeldPort(StabilityPort, Protocol):

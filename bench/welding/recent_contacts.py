@@ -1,4 +1,4 @@
-"""The contacts of the latest frames, because engines drop single contacts for a frame while both bodies keep touching."""
+"""The contacts of the latest frames, because engines drop a contact for a frame while both bodies still touch."""
 
 from __future__ import annotations
 
