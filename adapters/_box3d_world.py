@@ -27,7 +27,7 @@ KNOBS = frozenset({*_FIELDS, "lengthUnitsPerMeter", "contactRecycleDistance", "s
 """Knobs that a profile may have."""
 
 WELD_HERTZ = 240.0
-"""Stiffness of a weld joint [Hz]: with the 60 Hz as shipped an overhanging plank tilted by 1 deg, with 240 by 0.01 deg."""
+"""Stiffness of a weld joint [Hz], because an overhanging plank tilted by 1 deg with the 60 Hz as shipped."""
 _STILL: Vector = (0.0, 0.0, 0.0)
 
 
