@@ -13,8 +13,8 @@ from adapters.profile import Capabilities
 Detection = Literal["start", "end"]
 """Time of the poses at which the engine detects contact points: the start of the latest substep, or its end."""
 
-_NOT_IN_PROTOCOL = ("shapes", "other_shapes", "own_friction", "restitution", "own_moments")
-"""Capabilities that an external engine cannot have, because the messages describe boxes of one friction only."""
+_NOT_IN_PROTOCOL = ("shapes", "other_shapes", "own_friction", "restitution", "own_moments", "weld")
+"""Capabilities that an external engine cannot have, because the messages describe free boxes of one friction only."""
 _UNLESS_SAID = {"relative_velocity": "from the velocities before the step", "frozen_contacts": False}
 
 

@@ -156,7 +156,7 @@ class _Known:
 
 
 def _is_steered(trial: Setting) -> bool:
-    """Return whether a trial uses the stability core."""
+    """Return whether a trial uses the stability core, or joins bodies."""
     return BENCH_POLICIES[trial.policy].is_steered
 
 

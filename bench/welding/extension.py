@@ -21,6 +21,9 @@ Load = Literal["own", "carried"]
 AHEAD = 1.5
 """Time [frames] within which a contact's gap must close so that the contact counts as an impact, as in the core."""
 
+MOMENT_S = 1e-9
+"""Time [s] of a look without a step, as in the core: so short that any motion since the latest look counts as fast."""
+
 
 class WeldPort(StabilityPort, Protocol):
     """A port with a fourth capability: joints between two bodies."""
@@ -106,7 +109,7 @@ class WeldExtension:
 
     def adopt(self, bodies: Iterable[int]) -> WeldChange:
         """Review bodies of a prebuilt stack at once, as if they had been at rest."""
-        self._look(np.inf)
+        self._look(MOMENT_S)
         rows = self._bodies.rows_of(np.fromiter(bodies, np.int64))
         self._bodies.rows["rest_s"][rows[rows != NOBODY]] = CORE.rest_s
         return self._change(self._review())
@@ -143,8 +146,7 @@ class WeldExtension:
         touching = touches & np.isfinite(sliding)
         for rows in (a, b):
             np.maximum.at(slip, rows[touching], sliding[touching])
-        if np.isfinite(dt):
-            table.time_rest(slip[:-1], self._strength, dt)
+        table.time_rest(slip[:-1], self._strength, dt)
         return seen
 
     @property

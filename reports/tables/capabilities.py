@@ -7,6 +7,8 @@ from typing import Any
 
 from reports.tables.table import NOTHING, Table
 
+_JOINTS = "weld"
+"""Field of the row about joints, which the table leaves out if no engine joins bodies, as in older results."""
 _PROPERTIES = (
     ("version", "version"),
     ("kind", "reference"),
@@ -17,6 +19,7 @@ _PROPERTIES = (
     ("contact forces", "forces"),
     ("relative velocity", "relative_velocity"),
     ("freezes by", "freeze"),
+    ("joins bodies by", _JOINTS),
     ("bodies moved by the host", "moved"),
     ("contacts of frozen pairs", "frozen_contacts"),
     ("friction", "friction_law"),
@@ -46,6 +49,7 @@ def capability_table(engines: Mapping[str, Mapping[str, Any]]) -> Table:
             ),
         )
         for name, field in _PROPERTIES
+        if field != _JOINTS or any(engine["capabilities"].get(field) for engine in engines.values())
     ]
     note = (
         "The interface that each adapter provides to the extension. The conformance checks (`bench check`) measure "
@@ -61,7 +65,9 @@ def capability_tables(engines: Mapping[str, Mapping[str, Any]]) -> list[Table]:
 
 
 def _described(field: str, descriptor: dict[str, Any]) -> str:
-    value = descriptor.get(field, NOTHING)
+    value = descriptor.get(field)
+    if value is None:
+        return NOTHING
     if isinstance(value, bool):
         return _WORDS.get(field, {True: "yes", False: "no"})[value]
     return str(value)

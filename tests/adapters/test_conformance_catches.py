@@ -19,8 +19,9 @@ from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
 from stability_core.ports.shared.approach import Motions
 
-CHECK = {check.name: check for check in CHECKS if check.measure.__module__ != "adapters.conformance.shapes"}
-"""Checks of bricks that are boxes; ``test_conformance_shapes`` has the others."""
+ELSEWHERE = ("adapters.conformance.shapes", "adapters.conformance.welds")
+"""Checks of ``test_conformance_shapes`` and ``test_conformance_welds``."""
+CHECK = {check.name: check for check in CHECKS if check.measure.__module__ not in ELSEWHERE}
 
 
 NOT_COMPLETED = replace(BulletSimulation.capabilities, near_contacts=True)

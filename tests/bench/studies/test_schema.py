@@ -200,8 +200,8 @@ def test_a_selection_narrows_a_study_and_keeps_its_parameters() -> None:
 
 
 def test_none_native_and_raised_run_the_engine_alone() -> None:
-    assert {name for name, policy in BENCH_POLICIES.items() if policy.core is None} == {"none", "native", "raised"}
-    assert all(policy.sleeping == "off" for policy in BENCH_POLICIES.values() if policy.core is not None)
+    assert {name for name, policy in BENCH_POLICIES.items() if not policy.is_steered} == {"none", "native", "raised"}
+    assert all(policy.sleeping == "off" for policy in BENCH_POLICIES.values() if policy.is_steered)
 
 
 @pytest.mark.parametrize(
