@@ -84,7 +84,7 @@ class PhysxSimulation(SubstepSimulation):
         shapes=("box", "capsule", "sphere", "polyhedron"),
         other_shapes="SAPIEN's cylinder is a prism of 30 faces, on which it comes to rest",
         own_moments=True,
-        weld="a joint of six locked axes",
+        weld="three joints, each of which locks a point",
     )
 
     def _open(self) -> None:

@@ -118,10 +118,15 @@ class PhysxWorld:
             self._joints[pair].append(joint)
 
     def part(self, pair: tuple[int, int]) -> None:
-        """Remove the joints of two bodies."""
+        """Remove the joints of two bodies, and make PhysX consider their contacts again.
+
+        PhysX drops the contacts of jointed bodies, and otherwise does not find them again after the joint's end.
+        """
         for joint in self._joints.pop(pair):
             joint.entity.remove_component(joint)
         for body in pair:
+            (shape,) = self.components[body].collision_shapes
+            shape.set_collision_groups(shape.get_collision_groups())
             self.components[body].wake_up()
 
     def set_gravity(self, gravity: Vector) -> None:

@@ -61,7 +61,6 @@ def _overhanging(rig: Rig) -> tuple[Simulation, tuple[int, int]]:
     """Return a world with a joined pair of planks, the upper one beyond its balance."""
     simulation = rig.open()
     pair = simulation.spawn(plank()), simulation.spawn(plank(OVERHANG, 1.5 * THICKNESS))
-    advance(simulation, 1 / 30)
     simulation.port.join([pair])
     return simulation, pair
 
