@@ -103,8 +103,8 @@ class RapierWorld:
         middle = rapier3d.Isometry3((x, y, z), _UNTURNED)
         first, second = (frame.inverse() * middle for frame in frames)
         joint = rapier3d.FixedJointBuilder().local_frame1(first).local_frame2(second).contacts_enabled(True).build()
-        handles = [self.handles[body] for body in pair]
-        self._joints[pair] = self.world.impulse_joints.insert(*handles, joint, True)
+        first_handle, second_handle = (self.handles[body] for body in pair)
+        self._joints[pair] = self.world.impulse_joints.insert(first_handle, second_handle, joint, True)
 
     def part(self, pair: tuple[int, int]) -> None:
         """Remove the joint of two bodies."""
