@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from adapters.profile import Capabilities
-from adapters.shared.refusals import check_capable
+from adapters.shared.refusals import check_capable, check_weldable
 from scenarios.model import Brick, World
 from scenarios.solids import sphere
 
@@ -42,3 +42,9 @@ def test_what_the_adapter_lacks_is_refused_with_the_reason(world, brick, why):
 
 def test_a_friction_equal_to_the_worlds_is_no_friction_of_its_own():
     check_capable("engine", BOXES_ONLY, World(friction=0.4), [replace(BOX, friction=0.4, restitution=0.0)])
+
+
+def test_an_engine_without_joints_names_the_policies_that_need_them():
+    with pytest.raises(NotImplementedError, match="engine: the adapter joins no bodies, as the policies 'weld'"):
+        check_weldable("engine", BOXES_ONLY)
+    check_weldable("engine", replace(BOXES_ONLY, weld="a joint"))

@@ -24,6 +24,14 @@ def test_engines_stand_side_by_side_as_they_describe_themselves(tmp_path) -> Non
     assert rows["contact forces"] == ("-", "-", "-"), "what an older run did not record is left open"
 
 
+def test_joints_have_a_row_only_where_an_engine_has_joints() -> None:
+    assert "joins bodies by" not in {row[0] for row in capability_table(ENGINES).rows}
+    joining = {"version": "1", "capabilities": {"weld": "a joint"}}
+    without = {"version": "1", "capabilities": {"weld": None}}
+    rows = {row[0]: row[1:] for row in capability_table({**ENGINES, "four": joining, "five": without}).rows}
+    assert rows["joins bodies by"] == ("-", "-", "-", "a joint", "-")
+
+
 def test_a_folder_names_its_reference_engines(tmp_path) -> None:
     (tmp_path / "environment.json").write_text(json.dumps({"engines": ENGINES}))
     assert ResultsFolder(tmp_path).reference_engines == {"three"}
