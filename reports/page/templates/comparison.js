@@ -81,7 +81,6 @@
     if (sorted >= 0) state.set("sort", `${heads[sorted].getAttribute("aria-sort") === "descending" ? "-" : ""}${sorted}`);
     history.replaceState(null, "", state.size ? LINK + state : "#matrix");
   };
-  const show = () => document.getElementById("matrix").scrollIntoView();
   const restore = () => {
     if (!location.hash.startsWith(LINK)) return;
     const state = new URLSearchParams(location.hash.slice(LINK.length));
@@ -89,8 +88,7 @@
     const sorted = /^(-?)(\d+)$/.exec(state.get("sort") ?? "");
     if (sorted && heads[sorted[2]]?.querySelector("button")) sort(+sorted[2], sorted[1] === "-");
     filter();
-    show();
-    if (document.readyState !== "complete") addEventListener("load", show, { once: true }); // pictures above still grow
+    document.getElementById("matrix").scrollIntoView();
   };
 
   filters.addEventListener("input", () => { filter(); keep(); });

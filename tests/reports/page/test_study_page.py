@@ -97,16 +97,6 @@ def test_rows_are_filtered_by_choice_and_by_word(page, open_page) -> None:
     opened.wait_for_function(f"document.querySelectorAll('#table tbody tr:not([hidden])').length === {everything}")
 
 
-@pytest.mark.parametrize("width", [390, 1400])
-def test_a_link_to_a_view_opens_at_its_rows(open_page, page, width):
-    """Pictures above the rows load after the script, and move the rows down."""
-    opened = open_page(page, viewport={"width": width, "height": 400})
-    opened.goto("about:blank")
-    opened.goto(f"{page.as_uri()}#rows:engine=bullet")
-    assert all("bullet" in row for row in shown(opened))
-    opened.wait_for_function("Math.abs(document.getElementById('matrix').getBoundingClientRect().top - 50) < 50")
-
-
 def test_headings_sort_up_then_down_and_what_does_not_exist_stays_last(page, open_page) -> None:
     opened = open_page(page)
     heading = opened.get_by_role("button", name=re.compile("^p50"))
