@@ -165,7 +165,7 @@ PUBLICATIONS: dict[str, Publication] = {
     ),
     "scale": Publication("the effect of a world 10 or 100 times larger", "scale"),
     "related": Publication(
-        "the reference engines `erleben` and `staggered` (related work of the paper) beside ten products at one step a "
+        "the reference engines `erleben` and `staggered` (related work of the paper) beside six products at one step a "
         "frame, without the extension: structured stacks, card houses, and stacks that must fall",
         "related",
         is_timed=False,
