@@ -25,7 +25,7 @@ from stability_core.stack import ABSENT, FIXED, FROZEN, LIVE, MOVING, Bodies
 
 
 @compiled
-def _update_place(row: Bodies, limits: Limits, dt: float) -> bool:
+def _keeps_place(row: Bodies, limits: Limits, dt: float) -> bool:
     """Update path and place of a kinematic body, and return True if the body has kept its place.
 
     The function changes three columns:
@@ -66,7 +66,7 @@ def _begin(row: Bodies) -> bool:
 @compiled
 def _follow(row: Bodies, limits: Limits, dt: float) -> bool:
     """Set a kinematic body FIXED or MOVING by its motion, and return True if the body has just begun to move."""
-    if _update_place(row, limits, dt):
+    if _keeps_place(row, limits, dt):
         row.still_s += dt
         if row.still_s >= limits.still_s - ROUNDING_S:
             row.state = FIXED
