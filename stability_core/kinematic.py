@@ -26,9 +26,13 @@ from stability_core.stack import ABSENT, FIXED, FROZEN, LIVE, MOVING, Bodies
 
 @compiled
 def _keeps_place(row: Bodies, limits: Limits, dt: float) -> bool:
-    """Return True if a kinematic body keeps its place.
+    """Update path and place of a kinematic body, and return True if the body has kept its place.
 
-    Until another body touches the kinematic body, the place is the present centre of the kinematic body.
+    The function changes three columns:
+
+    - ``swept``, the path of the surface, grows by ``sweep`` times ``dt``;
+    - ``sweep`` becomes 0 for the next frame;
+    - ``still_center``, the place, becomes the present centre until another body touches the kinematic body.
     """
     moved = 0.0
     for k in range(3):

@@ -21,7 +21,7 @@ def _require_error(kind: type[Exception], action: Callable[[], object], what: st
 
 
 def refuses_bad_input(rig: Rig) -> None:
-    """Check that unknown ids, NaN, and sizes and masses that are not positive raise errors, and change no body."""
+    """Check that unknown ids, NaN, and sizes and masses that are not positive raise errors, and add no body."""
     simulation = rig.open()
     body = simulation.spawn(plank())
     nowhere = (math.nan, 0.0, 0.1)
@@ -46,7 +46,7 @@ def refuses_bad_input(rig: Rig) -> None:
 
 
 def refuses_what_leaves_its_plane(rig: Rig) -> None:
-    """Check that a planar engine rejects bricks, impulses, forces, velocities and gravity outside the x-z plane."""
+    """Check that a planar engine rejects bricks, moves, impulses, forces, velocities and gravity outside the plane."""
     simulation = rig.open()
     body = simulation.spawn(plank())
     lift = simulation.spawn(replace(plank(x=1.0), moved=True))

@@ -6,7 +6,7 @@ Contacts: ``_contacts`` detects the contacts at the present poses. A force of th
 present point of the same pair.
 
 Divergence: no step leads from a state that is not finite back to a finite state. Therefore the adapter then makes no
-further step, and reports poses as NaN.
+further step, and reports all poses as NaN.
 """
 
 from __future__ import annotations
@@ -93,7 +93,9 @@ class ReferenceSimulation(SubstepSimulation):
         return SubstepForces(found.row_a - first, found.row_b - first, impulse / self._substep_s)
 
     def _substep(self) -> None:
-        if self.bodies.live and self._boxes.is_finite():
+        if not self._boxes.is_finite():
+            return
+        if self.bodies.live:
             self._solve_contacts(self._substep_s)
         advance(self._boxes, self._substep_s)
 
@@ -114,7 +116,10 @@ class ReferenceSimulation(SubstepSimulation):
 
     def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
         rows = self._boxes.rows(bodies)
-        return self._boxes.position[rows], self._boxes.quaternion[rows]
+        position, quaternion = self._boxes.position[rows], self._boxes.quaternion[rows]
+        if not self._boxes.is_finite():
+            position[:], quaternion[:] = np.nan, np.nan
+        return position, quaternion
 
     def _positions(self, bodies: IntArray) -> FloatArray:
         return self._boxes.position[self._boxes.rows(bodies)]

@@ -1,9 +1,9 @@
 """Mean contact forces of a frame, for engines that report the forces of one substep at a time.
 
 The force of a pair of bodies is its exact mean over the frame's substeps. The points of the pair share the forces of
-earlier substeps in proportion to their normal forces in the last substep. Therefore the distribution over the contact
-area is the distribution of the last substep. The module omits pairs without contacts after the last substep, for
-example a brick that has bounced off and its support.
+earlier substeps in proportion to their normal forces in the last substep, or equally if none of them presses. Therefore
+the distribution over the contact area is the distribution of the last substep. The module omits pairs without contacts
+after the last substep, for example a brick that has bounced off and its support.
 """
 
 from __future__ import annotations

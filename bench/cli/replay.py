@@ -89,7 +89,7 @@ def replay(
             export_gltf(folder, records, trial, gltf)
             note(f"the animation is {relative(gltf)}")
         if margins_csv is not None:
-            write_margins(margins_csv, margins_of(side_by_side(folder, records, trial, ())[0].recording))
+            write_margins(margins_csv, margins_of(side_by_side(folder, records, trial, ())[0].recording, trial=trial))
             note(f"the margins are {relative(margins_csv)}")
         if (rrd, video, still) == (None, None, None):
             if (gltf, margins_csv) == (None, None):

@@ -18,7 +18,8 @@ def read_baseline(path: Path) -> Baseline:
     """Return the side of a comparison from a results folder or a baseline file.
 
     Raises:
-        BaselineError: if ``path`` is neither a results folder nor a baseline file, or is incomplete.
+        BaselineError: if ``path`` is neither a results folder nor a baseline file, is incomplete or invalid, or
+            contains a trial twice.
     """
     try:
         baseline = read_folder(path) if path.is_dir() else _read_baseline_file(path)

@@ -165,7 +165,7 @@ def read_benchmarks(path: Path) -> FrameTimes:
         file = _File.model_validate({**content, "benchmarks": list(_frame_benchmarks(content))})
     except JsonError as error:
         raise BaselineError(str(error)) from error
-    except (ValidationError, TypeError, AttributeError) as error:
+    except (ValidationError, TypeError, AttributeError, KeyError) as error:
         raise BaselineError(
             f"{path}: not a complete file of pytest-benchmark: {_first(error)}; create the file again with 'uv run "
             "pytest --benchmark-only'"

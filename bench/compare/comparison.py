@@ -39,13 +39,14 @@ def compare_runs(
         base: the expected run.
         head: the run to judge; its study gives the tolerances.
         names: names of base and head, for the messages.
-        across_versions: True to compare outcomes of different versions of an engine.
+        across_versions: True to compare outcomes and times of different versions of an engine.
         poses: True to compare poses of different versions of an engine as well.
         require_all: True to raise an alarm for each trial of the base that the head lacks.
 
     Raises:
-        SideFailedError: if all trials of a side failed.
+        SideFailedError: if no trial of a side has a result.
         NothingInCommonError: if no trial is in both runs.
+        BaselineError: if a pose trace is unreadable.
     """
     across_versions |= poses
     require_results(base, names[0])
@@ -137,7 +138,8 @@ def _times(base: Baseline, head: Baseline, pairs: Sequence[Pair], same_way: Coll
         figures: dict[str, list[tuple[float, float]]] = defaultdict(list)
         for base_trial, head_trial in group:
             machines = base.machine(base_trial), head.machine(head_trial)
-            yardstick = _yardstick(*machines, head_trial.trial in same_way)
+            is_same_engine = base_trial.engine_version == head_trial.engine_version
+            yardstick = _yardstick(*machines, is_same_engine and head_trial.trial in same_way)
             if yardstick is not None:
                 before, now = base.shares[base_trial.trial], head.shares[head_trial.trial]
                 for part in PARTS:
@@ -151,7 +153,7 @@ def _times(base: Baseline, head: Baseline, pairs: Sequence[Pair], same_way: Coll
             yield Finding("time", figure, *judge_times(ratios, least))
 
 
-def _yardstick(base: Machine | None, head: Machine | None, went_same_way: bool) -> Part | None:
+def _yardstick(base: Machine | None, head: Machine | None, did_same_work: bool) -> Part | None:
     """Return the reference part: the part of a frame that is the same in base and head.
 
     Returns:
@@ -159,14 +161,14 @@ def _yardstick(base: Machine | None, head: Machine | None, went_same_way: bool) 
 
         - None for different or unknown processors;
         - ``core`` if both sides run the same code;
-        - ``engine`` if all poses are the same;
+        - ``engine`` if the engine's version and all poses are the same;
         - None otherwise.
     """
     if base is None or head is None or other_processor(base, head) is not None:
         return None
     if base.runs_same_code(head):
         return "core"
-    return "engine" if went_same_way else None
+    return "engine" if did_same_work else None
 
 
 def _tolerance(head: Baseline, record: TrialRecord) -> Tolerance:

@@ -23,8 +23,8 @@ from reports.records.atomic import write_atomic
 CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "stillstack"
 """Folder of the suite's caches."""
 _REQUIREMENTS = "requirements.txt"
-"""File in an environment's folder with its packages. The function writes this file last, so that the file marks a
-complete environment."""
+"""File in an environment's folder with its packages. ``environment`` writes this file last, so that the file
+marks a complete environment."""
 _LINK = "shared.pth"
 """File that adds the folder of the shared environment's packages, after the environment's own packages."""
 

@@ -1,9 +1,9 @@
-"""Sides whose trials all failed.
+"""Sides and engines without a result.
 
-A comparison with a failed side has no result, because this side states nothing about stacking.
+A comparison with a side without a result has no result, because this side states nothing about stacking.
 
 A trial failed if an error, a crash or a lack of memory ended the trial. A trial that collapsed, diverged or reached its
-time limit has a result.
+time limit has a result. An unsupported trial neither failed nor has a result.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _NO_RESULT: frozenset[Status] = FAILED | {"unsupported"}
 
 
 class SideFailedError(ValueError):
-    """A side in which every trial failed; the message contains the first failure and the fix."""
+    """A side in which no trial has a result; the message contains the first failure and the fix."""
 
 
 def require_results(side: Baseline, name: str) -> None:
@@ -32,7 +32,7 @@ def require_results(side: Baseline, name: str) -> None:
         name: name of the side, for the message.
 
     Raises:
-        SideFailedError: if all trials failed.
+        SideFailedError: if no trial has a result.
     """
     if any(record.status not in _NO_RESULT for record in side.trials):
         return
@@ -45,7 +45,7 @@ def require_results(side: Baseline, name: str) -> None:
 
 
 def failed_engines(side: Baseline) -> dict[str, str]:
-    """Return each engine whose trials in a side all failed, with the number of its trials and its first failure."""
+    """Return each engine with a failed trial and without a result, with a message that names its first failure."""
     groups: dict[str, list[TrialRecord]] = defaultdict(list)
     for record in side.trials:
         groups[record.engine].append(record)

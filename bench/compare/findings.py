@@ -13,8 +13,8 @@ Gate: TypeAlias = Literal["outcome", "hash", "time"]
 """Name of a gate: ``outcome`` judges verdicts and levels, ``hash`` judges poses bit for bit, ``time`` judges parts of a
 frame."""
 Judgement: TypeAlias = Literal["worse", "changed", "better", "same", "open"]
-"""Result of a gate. ``open`` means that the gate cannot decide, for the reason in the finding's message; the gate
-then does not pass."""
+"""Result of a gate. ``open`` means that the gate cannot decide, for the reason in the finding's message; such a
+finding is neither a pass nor an alarm."""
 
 GATES: tuple[Gate, ...] = get_args(Gate)
 """All gates."""
@@ -32,7 +32,8 @@ class Finding:
     trial: str
     judgement: Judgement
     message: str
-    """The difference, or the reason for which the gate could not decide; empty if base and head are the same."""
+    """The difference, the ratio of times, or the reason for which the gate could not decide; empty for the same outcome
+    or the same poses."""
     base: str = ""
     """Values of the base, to show beside those of the head; empty if the message has all."""
     head: str = ""

@@ -37,7 +37,7 @@ def run_interleaved(
     Raises:
         CheckoutError: if a side cannot run the study.
         BaselineError: if a run of a side has no records.
-        SideFailedError: if all trials of a run failed.
+        SideFailedError: if no trial of a run has a result.
     """
     out.mkdir(parents=True, exist_ok=True)
     plan = (out / "study.toml").resolve()

@@ -1,4 +1,4 @@
-"""The outcome gate, which judges levels, collapse level, verdict, sink and creep.
+"""The outcome gate, which judges status, levels, collapse level, verdict, sink and creep.
 
 The caller excludes trials that the time limit may have ended. For an engine that repeats bit for bit, the gate compares
 single trials. For another engine, the gate compares groups of repeats, because a single trial is a random draw.
@@ -90,7 +90,10 @@ def _judge_failure(base: TrialRecord, head: TrialRecord) -> tuple[Judgement, str
 
 
 def _lost(base: TrialRecord, head: TrialRecord) -> list[str]:
-    """Return a list with the verdict of ``head`` if ``base`` is right and ``head`` is not right; else an empty list."""
+    """Return a list with the verdict of ``head`` if ``base`` is right and ``head`` is not right; else an empty list.
+
+    If only one side has a measured creep, a change from right to creeping does not count.
+    """
     if _differ_in_creep_rule(base, head):
         return []
     return [f"{head.verdict}, was right"] if base.verdict == "right" and head.verdict != "right" else []

@@ -27,7 +27,7 @@ def read_file(path: Path) -> bytes:
             )  # the size on disk is no substitute, because a pipe or a device has none
     except OSError as error:
         raise JsonError(
-            f"{path}: cannot be read ({error.strerror}); name a readable file or a results folder"
+            f"{path}: cannot read this file ({error.strerror}); name a readable file or a results folder"
         ) from error
     if len(content) > MOST_BYTES:
         raise JsonError(

@@ -76,7 +76,7 @@ def read_explanations(path: Path) -> list[Explanation]:
         return [Explanation.model_validate(table) for table in content.get("explanation", [])]
     except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise HistoryError(
-            f"{path}: cannot be read as TOML: {error}; name a readable file, or correct the file"
+            f"{path}: cannot read this file as TOML ({error}); name a readable file, or correct the file"
         ) from error
     except ValidationError as error:
         first = error.errors()[0]

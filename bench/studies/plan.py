@@ -128,7 +128,7 @@ def _at(first: Trial, parameter: str, value: float) -> Trial:
 
 
 def _trials_of(study: Study, scenario: str, parameters: Mapping[str, Value]) -> list[Trial]:
-    """Return all trials of one variant of a scenario."""
+    """Return the trials of one variant of a scenario that the rules of the study admit."""
     variant = build(scenario, **parameters).variant
     runs = list(product(range(study.seeds), range(study.repeats)))
     return [

@@ -299,7 +299,7 @@ def load_study(name: str) -> Study:
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise StudyError(f"{path}: cannot be read ({error.strerror}); name a readable file") from error
+        raise StudyError(f"{path}: cannot read this file ({error.strerror}); name a readable file") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise StudyError(f"{path}: not valid TOML: {error}; correct the file") from error
     return check_study(content, str(path))

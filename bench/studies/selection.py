@@ -30,7 +30,8 @@ class Selection:
     profiles: Sequence[str] = ()
     seeds: int | None = None
     hours: float | None = None
-    """Simulated time for which every trial is watched [h]; the limit on wall time increases by the same factor."""
+    """Simulated time for which every trial is watched [h]; a longer watch increases the limit on wall time by the
+    same factor."""
 
 
 def is_file(name: str) -> bool:
@@ -40,6 +41,8 @@ def is_file(name: str) -> bool:
 
 def selected(study: Study, selection: Selection) -> Study:
     """Apply a selection to a study; a selected scenario keeps its parameters from the study, if any.
+
+    Selected profiles replace the sweeps of the study too.
 
     Raises:
         UnknownNameError: if a selected name does not exist.

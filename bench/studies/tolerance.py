@@ -8,14 +8,15 @@ from pydantic import BaseModel, ConfigDict, Field
 class Tolerance(BaseModel):
     """Tolerances of the gates, for all trials of a scenario; a study may set these tolerances.
 
-    An engine that repeats bit for bit needs no tolerance on the same machine. Tolerances apply to its next version, to
-    another processor, and to engines that do not repeat bit for bit.
+    The outcome gate and the time gate apply the tolerances in every comparison. On the same processor, two runs of
+    the same suite with the same version of an engine that repeats bit for bit have equal outcomes, so that their
+    outcomes need no tolerance. Frame times vary from run to run, so that the time gate always needs ``time_share``.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     levels: int = Field(default=0, ge=0)
-    """Tolerated difference [levels] in the height of a stack, or in its collapse level. The default is zero, because a
+    """Tolerated loss [levels] of height, or growth of the error of the collapse level. The default is zero, because a
     user notices a missing level. A verdict that was right must stay right at any tolerance."""
     sink_m: float = Field(default=5e-5, ge=0)
     """Tolerated increase of the sink [m]. The default is a quarter of 0.2 mm, which is the greatest depth of a brick in
@@ -27,8 +28,8 @@ class Tolerance(BaseModel):
     random, because a stack that is released a nanometre aside creeps at 1.4 instead of 0.7 micrometres per second on
     Bullet."""
     creep_share: float = Field(default=0.5, ge=0)
-    """Additionally tolerated increase of the creep, as a share of the base's creep. The default detects a doubled
-    creep, and tolerates the effect of another processor's rounding on a slow slide. A creep whose interval includes
-    zero counts as zero."""
+    """Additionally tolerated increase of the creep, as a share of the base's creep. The defaults detect a doubled
+    creep if the base creeps faster than 2e-6 m/s, and tolerate the effect of another processor's rounding on a slow
+    slide. A creep of the head whose interval includes zero is no increase."""
     time_share: float = Field(default=0.1, ge=0)
     """Least slowdown that counts, as a share of the base's time, because a smaller slowdown needs no attention."""

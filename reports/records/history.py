@@ -105,7 +105,9 @@ def read_history(path: Path) -> History:
     try:
         return History.model_validate_json(path.read_bytes())
     except OSError as error:
-        raise HistoryError(f"{path}: cannot be read ({error.strerror}); run 'bench history' first") from error
+        raise HistoryError(
+            f"{path}: cannot read this file ({error.strerror}); name a readable file, or run 'bench history' first"
+        ) from error
     except ValidationError as error:
         raise HistoryError(f"{path}: not a history: {error.errors()[0]['msg']}; run 'bench history' again") from error
 

@@ -311,10 +311,12 @@ def read_records(path: Path) -> list[TrialRecord]:
         return list(_records(path))
     except FileNotFoundError as error:
         raise RecordError(
-            f"{path}: cannot be read (no such file): name a results folder, as written by 'bench run'"
+            f"{path}: cannot read this file (no such file); name a results folder, as written by 'bench run'"
         ) from error
     except OSError as error:
-        raise RecordError(f"{path}: cannot be read ({error.strerror}); name a readable results folder") from error
+        raise RecordError(
+            f"{path}: cannot read this file ({error.strerror}); name a readable results folder"
+        ) from error
 
 
 def _records(path: Path) -> Iterator[TrialRecord]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import bisect
 import csv
 import io
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, TypeAlias
@@ -88,16 +88,16 @@ def legend(quantity: Quantity) -> tuple[str, list[str]]:
     return ("tilt margin " if quantity == "tilt" else "load margin / weight "), names
 
 
-def margins_of(recording: Recording, times: Sequence[float] | None = None) -> Margins:
-    """Return the margins of a recording; see ``margins_beside``."""
-    return margins_beside([recording], times)[0]
+def margins_of(recording: Recording, times: Sequence[float] | None = None, *, trial: str = "this recording") -> Margins:
+    """Return the margins of a recording; ``trial`` names the recording in errors. See ``margins_beside``."""
+    return margins_beside({trial: recording}, times)[0]
 
 
-def margins_beside(recordings: Sequence[Recording], times: Sequence[float] | None = None) -> list[Margins]:
+def margins_beside(recordings: Mapping[str, Recording], times: Sequence[float] | None = None) -> list[Margins]:
     """Return the margins of recordings that a picture or replay shows side by side, in the order of the recordings.
 
     Args:
-        recordings: recordings with masses, friction and gravity.
+        recordings: recordings with masses, friction and gravity, by trial id.
         times: instants [s]; None for the ``settled_times`` of each recording.
 
     Raises:
@@ -105,8 +105,8 @@ def margins_beside(recordings: Sequence[Recording], times: Sequence[float] | Non
             that their contacts are unknown.
     """
     found, overlaps = [], []
-    for recording in recordings:
-        margins, overlap = _margins(recording, times)
+    for trial, recording in recordings.items():
+        margins, overlap = _margins(trial, recording, times)
         found.append(margins)
         overlaps.append(overlap)
     if all(overlaps):
@@ -114,11 +114,11 @@ def margins_beside(recordings: Sequence[Recording], times: Sequence[float] | Non
     return found
 
 
-def _margins(recording: Recording, times: Sequence[float] | None) -> tuple[Margins, str]:
+def _margins(trial: str, recording: Recording, times: Sequence[float] | None) -> tuple[Margins, str]:
     """Return the margins of a recording, and the reason if no instant has margins."""
     if recording.physics is None:
         raise ExportError(
-            "margins need a recording with masses, got a recording of an earlier version: run the trial "
+            f"{trial}: margins need a recording with masses, got a recording of an earlier version: run the trial "
             "again to see margins"
         )
     timeline = Timeline(recording)
@@ -141,7 +141,7 @@ def _margins(recording: Recording, times: Sequence[float] | None) -> tuple[Margi
         np.array([tilt for _, tilt in rows]).reshape(shape),
         strength * np.array(masses),
     )
-    return margins, overlaps[-1] if 0 < len(overlaps) == len(instants) else ""
+    return margins, f"{trial}: {overlaps[-1]}" if 0 < len(overlaps) == len(instants) else ""
 
 
 def settled_times(recording: Recording) -> list[float]:

@@ -155,7 +155,8 @@ def _frames(
         f"{first.scene} on {first.engine}, {first.profile}, seed {first.seed}",
         _key(trials, film.colour),
     )
-    margins = None if film.colour == "state" else margins_beside([trial.recording for trial in trials], instants)
+    recordings = {trial.record.trial: trial.recording for trial in trials}
+    margins = None if film.colour == "state" else margins_beside(recordings, instants)
     views = [
         view_of(
             Timeline(trial.recording),

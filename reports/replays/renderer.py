@@ -95,8 +95,8 @@ def draw_pictures(views: Sequence[tuple[View, Sequence[Path]]]) -> None:
             subprocess.run(command, cwd=_ROOT, capture_output=True, text=True, check=True, timeout=_LONGEST_S)
         except subprocess.TimeoutExpired as error:
             raise ExportError(
-                f"the renderer must draw the pictures within {_LONGEST_S} s, but did not, and was stopped: run the "
-                "command again"
+                f"the renderer must draw {sum(len(paths) for _, paths in views)} pictures within its time limit of "
+                f"{_LONGEST_S} s, but did not: draw fewer pictures, or wait until the machine is idle"
             ) from error
         except subprocess.CalledProcessError as error:
             raise ExportError(_reason(error.returncode, error.stderr)) from error

@@ -62,7 +62,7 @@ def write_stack_replay(folder: Path, trials: Sequence[Replayed], *, with_margins
     """
     policies = ordered_policies(trial.record.policy for trial in trials)
     trials = sorted(trials, key=lambda trial: policies.index(trial.record.policy))
-    margins = margins_beside([trial.recording for trial in trials]) if with_margins else None
+    margins = margins_beside({trial.record.trial: trial.recording for trial in trials}) if with_margins else None
     return write_replay(folder / "report" / "replays", replay_name(trials[0].record), trials, margins)
 
 

@@ -70,9 +70,10 @@ def voussoir_arch(
     Args:
         voussoirs: number of voussoirs.
         margin: share by which the thickness exceeds the least thickness; negative if the arch is thinner.
-        friction: Coulomb coefficient of every pair. From 0.25 to 0.4 the scene has no known answer.
+        friction: Coulomb coefficient of every pair. From 0.25 up to, but not including, 0.4, the
+            scene has no known answer.
         scale: factor on all lengths; the mean radius is 0.3 m at scale 1. At scale 1 an engine's tolerances of 0.1 mm
-            decide, because they are a hundredth of the thickness that a joint can lose.
+            can decide whether the arch stands, because they are a hundredth of the thickness that a joint can lose.
         thickness: thickness over the mean radius, in place of ``margin``; 0 for the thickness with this margin.
     """
     least = least_thickness(voussoirs)

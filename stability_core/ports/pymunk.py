@@ -163,7 +163,9 @@ class PymunkPort:
         if body not in self._bodies.id_of and isinstance(body, pymunk.Body) and body.space is self.space:
             self._refresh()  # find the bodies that came after the latest update
         if body not in self._bodies.id_of:
-            raise KeyError(f"{body} is not in this pymunk space: call space.add(body, shape) first")
+            raise KeyError(
+                f"{body!r} is not in this pymunk space: pass a pymunk.Body that space.add(body, shape) has added"
+            )
         return self._bodies.id_of[body]
 
     def body_of(self, body: int) -> pymunk.Body:

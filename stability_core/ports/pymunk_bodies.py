@@ -235,7 +235,10 @@ class PymunkBodies:
             self._read_shapes(row)
 
     def _audit_next(self) -> None:
-        """Read the shapes of one body, in turn, because a host may change friction and sizes."""
+        """In one call of ``AUDIT_EVERY``, read the shapes of the next body; in the other calls, do nothing.
+
+        The reads detect changes of friction and size by the host.
+        """
         self._audited = (self._audited + 1) % (len(self.rows) * AUDIT_EVERY)
         if self._audited % AUDIT_EVERY == 0:
             self._read_shapes(self._audited // AUDIT_EVERY)

@@ -62,14 +62,21 @@ def read_number(name: str, value: object, least: float, most: float) -> float:
         ValueError: if ``value`` is None (the field is missing), or no number from ``least`` to ``most``.
     """
     if value is None:
-        raise ValueError(f"{name} is missing: add this field")
+        raise ValueError(f"{name} is missing: add a number from {least:g} to {most:g}")
     return Real(least, most).check(name, value)
 
 
 def read_numbers(name: str, value: object, count: int, least: float, most: float = LARGEST) -> tuple[float, ...]:
-    """Return the list of ``count`` numbers from ``least`` to ``most`` in the required field ``name``."""
+    """Return the list of ``count`` numbers from ``least`` to ``most`` in the required field ``name``.
+
+    Raises:
+        ValueError: if ``value`` is None (the field is missing), or no list of ``count`` such numbers.
+    """
+    wanted = f"a list of {count} numbers from {least:g} to {most:g}"
+    if value is None:
+        raise ValueError(f"{name} is missing: add {wanted}")
     if not isinstance(value, list) or len(value) != count:
-        raise ValueError(f"{name} must be a list of {count} numbers, got {value!r}")
+        raise ValueError(f"{name} must be {wanted}, got {value!r}: correct the list")
     return tuple(read_number(f"{name}[{k}]", part, least, most) for k, part in enumerate(value))
 
 
@@ -123,8 +130,11 @@ def _shaped(name: str, table: Mapping[str, Any], shape: str, position: Vector, t
 
 
 def _points(name: str, value: object) -> list[tuple[float, ...]]:
+    wanted = "a list of points such as [[0.0, 0.0, 0.1], ...]"
+    if value is None:
+        raise ValueError(f"{name} is missing: add {wanted}")
     if not isinstance(value, list):
-        raise ValueError(f"{name} must be a list of points such as [[0.0, 0.0, 0.1], ...], got {value!r}")
+        raise ValueError(f"{name} must be {wanted}, got {value!r}: correct the list")
     return [read_numbers(f"{name}[{k}]", point, 3, -LARGEST) for k, point in enumerate(value)]
 
 

@@ -51,8 +51,8 @@ def call(*arguments: str, status: int) -> str:
         (["run", "--jobs", "0"], "greater than or equal to 1"),
         (["run", "--jobs", "2", "--dask", "tcp://10.0.0.1:8786"], "--jobs and --dask exclude each other"),
         (["run", "--watch", "--dask", "tcp://10.0.0.1:8786"], "--watch applies to trials on this machine only"),
-        (["run", "missing.toml"], "missing.toml: cannot be read"),
-        (["report", "missing"], "trials.jsonl: cannot be read"),
+        (["run", "missing.toml"], "missing.toml: cannot read this file"),
+        (["report", "missing"], "trials.jsonl: cannot read this file"),
         (["check", "bulet"], "unknown engine 'bulet'; did you mean 'bullet'?"),
     ],
 )

@@ -226,6 +226,7 @@ def _rename_engine(content) -> None:
         (lambda content: content["benchmarks"].append(steered(content)[0]), "occurs twice"),
         (lambda content: content.update(benchmarks=[1]), "not a complete file of pytest-benchmark"),
         (lambda content: content.update(benchmarks=1), "not a complete file of pytest-benchmark"),
+        (lambda content: content["benchmarks"][0].pop("extra_info"), "not a complete file of pytest-benchmark"),
         (lambda content: steered(content)[0]["stats"].update(data=[-1.0]), "benchmarks.1.stats.data.0"),
         (_rename_engine, "must contain frame times of a common stack with the extension"),
     ],

@@ -189,6 +189,15 @@ def test_a_slower_core_is_found_against_the_engine_if_it_did_the_same(make) -> N
     assert judged(base, timed(make, "of the head", core=0.6, pose_hash="bb")) == {"bullet.game": "open"}
 
 
+def test_another_version_of_an_engine_is_no_reference_part_even_with_the_same_poses(make) -> None:
+    """A faster release would make the core look slower."""
+    base, head = timed(make, core=0.5), timed(make, "of the head", core=0.5, engine=0.5)
+    newer = [record.model_copy(update={"engine_version": "99"}) for record in head.trials]
+    found = compare_runs(base, head.model_copy(update={"trials": newer}), NAMES, poses=True).findings
+    assert {one.judgement for one in found if one.gate == "hash"} == {"same"}
+    assert [(one.trial, one.judgement) for one in found if one.gate == "time"] == [("bullet.game", "open")]
+
+
 def test_a_slower_engine_is_found_against_the_core_if_that_is_the_same_code(make) -> None:
     """Another build of an engine may let bricks go another way; the core's typical frame costs the same."""
     base = timed(make, core=0.5)

@@ -93,7 +93,7 @@ def test_a_file_that_is_too_large_or_endless_is_not_read_whole(good, tmp_path, m
 
 @pytest.mark.parametrize("missing", ["no-such-file.json", "no-such-folder/"])
 def test_what_is_not_there_is_reported(missing, good, tmp_path) -> None:
-    assert "cannot be read" in call("compare", good, tmp_path / missing, status=2)
+    assert "cannot read this file" in call("compare", good, tmp_path / missing, status=2)
 
 
 def test_a_gate_that_does_not_exist_is_reported(good) -> None:

@@ -151,7 +151,7 @@ def test_another_study_needs_another_folder(tmp_path) -> None:
 
 def test_bad_explanations_are_reported(tmp_path) -> None:
     path = tmp_path / "quotes.toml"
-    for text, reason in (("[[explanation", "cannot be read"), ('[[explanation]]\nversion = "1"', "quote")):
+    for text, reason in (("[[explanation", "cannot read this file"), ('[[explanation]]\nversion = "1"', "quote")):
         path.write_text(text)
         with pytest.raises(HistoryError, match=reason):
             read_explanations(path)

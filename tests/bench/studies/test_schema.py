@@ -162,7 +162,7 @@ def test_a_file_that_is_no_toml_is_named_with_the_line(tmp_path) -> None:
     file.write_text("name = \n")
     with pytest.raises(StudyError, match=r"broken\.toml: not valid TOML.*line 1"):
         load_study(str(file))
-    with pytest.raises(StudyError, match="cannot be read"):
+    with pytest.raises(StudyError, match="cannot read this file"):
         load_study(str(tmp_path / "missing.toml"))
     with pytest.raises(UnknownNameError, match="did you mean 'paper'"):
         load_study("papr")

@@ -108,7 +108,7 @@ def test_a_foreign_line_is_named_with_its_file_and_number(tmp_path, line: str, c
 
 
 def test_a_missing_file_is_named(tmp_path) -> None:
-    with pytest.raises(RecordError, match=r"trials\.jsonl: cannot be read"):
+    with pytest.raises(RecordError, match=r"trials\.jsonl: cannot read this file"):
         read_records(tmp_path / "trials.jsonl")
 
 

@@ -101,8 +101,10 @@ def test_an_instant_of_sunk_bricks_has_no_margins_and_leaves_the_others() -> Non
 
 
 def test_a_recording_without_masses_and_one_of_sunk_bricks_are_refused_with_the_fix() -> None:
-    with pytest.raises(ExportError, match="run the trial again to see margins"):
+    with pytest.raises(ExportError, match=r"this recording: margins need .* run the trial again to see margins"):
         margins_of(replace(tower(2), physics=None))
+    with pytest.raises(ExportError, match="old: margins need a recording with masses"):
+        margins_beside({"new": tower(2), "old": replace(tower(2), physics=None)})
     sunk = Recorder(1 / 60)
     plank = Brick((0.117, 0.0234, 0.0078), MASS, (0.0, 0.0, 0.0))
     sunk.see(
@@ -115,8 +117,8 @@ def test_a_recording_without_masses_and_one_of_sunk_bricks_are_refused_with_the_
     recording = sunk.finish()
     with pytest.raises(ExportError, match="sunk into each other"):
         margins_of(recording)
-    with pytest.raises(ExportError, match="sunk into each other"):
-        margins_beside([recording, recording])
-    fallen, standing = margins_beside([recording, tower(1)])
+    with pytest.raises(ExportError, match=r"second: .* sunk into each other"):
+        margins_beside({"first": recording, "second": recording})
+    fallen, standing = margins_beside({"fallen": recording, "standing": tower(1)})
     assert np.isnan(fallen.tilt_deg).all()
     assert (standing.tilt_deg > 5).all()

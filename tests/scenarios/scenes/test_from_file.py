@@ -113,7 +113,7 @@ def test_a_scene_with_a_turned_fixed_box_is_not_planar(write):
     ("brick", "fixed", "message"),
     [
         (plank(), {**TABLE, "mass": 1.0}, r"unknown field of fixed\[0\] 'mass'"),
-        (plank(), {"size": [0.1, 0.1, 0.1]}, r"fixed\[0\].position must be a list of 3 numbers"),
+        (plank(), {"size": [0.1, 0.1, 0.1]}, r"fixed\[0\].position is missing: add a list of 3 numbers"),
         (
             plank(position=[0, 0, 0.125]),
             TABLE,
@@ -320,7 +320,7 @@ def test_a_file_pushes_and_pulls(write):
             {"brick": 0, "time": 0.0, "impulse": [0, 0, 0]},
             r"push\[0\].time must be after brick\[0\].time, which is 0 s",
         ),
-        ({"brick": 0, "time": 1.0}, r"push\[0\].impulse must be a list of 3 numbers"),
+        ({"brick": 0, "time": 1.0}, r"push\[0\].impulse is missing: add a list of 3 numbers"),
         ({"brick": 0, "time": 1.0, "force": [0, 0, 0]}, r"unknown field of push\[0\] 'force'"),
     ],
 )

@@ -180,7 +180,7 @@ def test_use_after_close() -> None:
 
 def test_an_unknown_body() -> None:
     with attach(open_space()) as extension:
-        with pytest.raises(KeyError, match=r"not in this pymunk space: call space.add"):
+        with pytest.raises(KeyError, match=r"not in this pymunk space: pass a pymunk.Body that space.add"):
             extension.why(add(open_space()))
         with pytest.raises(KeyError, match=r"no body of this pymunk space has the id 7"):
             extension.body_of(7)
