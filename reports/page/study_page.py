@@ -56,7 +56,7 @@ _PLACES_SHOWN = 12
 """Number of places of the ranking that the page shows at first, because a reader takes one of the first."""
 _RUN = ("uv", "run", "-m", "bench", "run")
 """Command that runs a study, without its arguments."""
-_SCRIPTS = ("theme.js", "comparison.js", "heat_map.js", "traces.js")
+_SCRIPTS = ("theme.js", "landing.js", "comparison.js", "heat_map.js", "traces.js")
 _QUESTION = "Do the bricks stand when they should, and fall when they should?"
 """First sentence of the page of a study without a description."""
 _MARKS = {"right": "✓", "wrong": "✗", "mixed": "~"}

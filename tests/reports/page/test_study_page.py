@@ -1,6 +1,7 @@
 """The page of a study, made from records and opened in a real browser."""
 
 import csv
+import itertools
 import re
 from pathlib import Path
 
@@ -423,6 +424,32 @@ def test_pairs_are_tested_and_medians_are_bounds_where_most_stood(page, open_pag
 def test_one_seed_has_no_interval_and_no_survival_curve(tmp_path) -> None:
     output = page_of(tmp_path, [fallen(9), record(policy="paper")]).read_text(encoding="utf-8")
     assert "n = 1 build of each: no intervals" in output
+def test_a_fresh_opening_and_a_reload_of_a_link_show_its_section(tmp_path, browser) -> None:
+    """The section begins below the navigation, although tables above it become taller after the first layout."""
+    made = page_of(tmp_path, [record(scene="tower-1", engine=f"engine{e}", policy="paper") for e in range(50)])
+    views = (("#rows:policy=paper", "matrix"), ("#families:family=tower", "map"))
+    for (address, section), width in itertools.product(views, (1400, 1920, 390)):
+        opened = browser.new_page(viewport={"width": width, "height": 900})
+        opened.goto(made.as_uri() + address)
+        for _ in ("fresh", "reloaded"):
+            opened.wait_for_timeout(300)
+            top = opened.evaluate(f"document.getElementById('{section}').getBoundingClientRect().top")
+            assert 0 <= top <= 60, f"{address} at {width} px: the navigation is about 50 px high"
+            opened.evaluate("scrollTo({ top: 0, behavior: 'instant' })")
+            opened.reload()
+        opened.close()
+
+
+def test_the_view_is_copied_as_a_link_that_names_the_file_it_needs(page, open_page) -> None:
+    opened = open_page(page)
+    opened.evaluate("navigator.clipboard.writeText = async text => { window.copied = text; }")
+    opened.select_option("#filters [name=policy]", "paper")
+    opened.get_by_role("button", name="Copy link").click()
+    opened.wait_for_function("window.copied")
+    assert opened.evaluate("window.copied").endswith("index.html#rows:policy=paper")
+    assert "--single" in opened.locator("#copied").inner_text()
+
+
     assert "a single build of each stack has no survival curve" in output
     assert not re.search(r"\d \[\d", output.partition("<main>")[2].partition("<script")[0])
 
