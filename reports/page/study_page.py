@@ -105,7 +105,7 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
             rows_shown=_ROWS_SHOWN,
             inks=inks(policies),
             numbers={policy: number for number, policy in enumerate(policies)},
-            problems=problems(records, missing, without_frames),
+            problems=problems(records, missing, without_frames, again),
             verdicts=sentences,
             share_note=share_note(groups, bool(of_pairs), again),
             difference_note=difference_note(groups, policies, again),

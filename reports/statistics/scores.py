@@ -35,6 +35,8 @@ class PolicyScore:
     """Success rate of trials that must fall; None if no such trial was judged."""
     trials: SuccessRates | None
     """Success rates of all trials; None if no trial was judged."""
+    measures_creep: bool
+    """True if the creep of a stack that must stand, and stood, was measured."""
     pairs: SuccessRates | None
     """Success rates of pairs of scenes; None if no pair was judged."""
     frame_ms_p99: float | None
@@ -105,12 +107,17 @@ def score(policy: str, groups: Sequence[Group]) -> PolicyScore:
         policy,
         stand=right("stand"),
         fall=right("fall"),
+        measures_creep=any(_measures_creep(trial) for group in groups for trial in group.draws),
         trials=success_rates([[{trial.verdict} for trial in group.judged] for group in groups]),
         pairs=pair_success_rates(pairs_of(groups)),
         frame_ms_p99=middle(groups, "frame_ms_p99"),
         slowest=slowest_scene(groups),
         frame_ratios=_ratios(groups),
     )
+
+
+def _measures_creep(trial: TrialRecord) -> bool:
+    return trial.verdict == "creeps" or (trial.creep_m_s is not None and trial.expectation.outcome == "stand")
 
 
 def slowest_scene(groups: Sequence[Group]) -> SlowestScene | None:

@@ -75,7 +75,8 @@ def test_pairs_are_the_headline_where_there_are_any(tmp_path, open_page) -> None
     assert (
         opened.locator("#verdict .answer").inner_text().startswith("No set-up is right in both pairs; the nearest is")
     )
-    assert opened.locator(".card tbody tr").inner_text().split() == ["none", *["0", "%", "100", "%"], *["0", "%"] * 3]
+    shares = ["0", "%", "100", "%", "0", "%", "-", "0", "%"]  # creep was not measured
+    assert opened.locator(".card tbody tr").inner_text().split() == ["none", *shares]
     assert opened.locator("#pairs table").count() == 3
     assert "The 2 pairs judge 4 of 4 scenes." in opened.locator("#pairs").inner_text()
     opened.locator("#pairs summary").click()
@@ -137,6 +138,16 @@ def test_what_went_wrong_or_is_missing_is_said_first(page) -> None:
         f"Frames of 1 trial are missing or incomplete: {RECORDS[0].trial}",
     ):
         assert words in output
+
+
+def test_a_run_without_measured_creep_says_so_and_names_the_command(tmp_path) -> None:
+    made = [record(mean_motion_m_s=1e-6), record(policy="paper", creep_m_s=0.0), fallen(4, scene="card_house")]
+    output = page_of(tmp_path, made).read_text(encoding="utf-8")
+    assert "Creep not measured: 1 trial stood in records from before format 3" in output
+    assert re.search(r"Measure it: <code>uv run -m bench run \S+study.toml</code>", output)
+    assert "does not concern the other 2 trials" in output
+    shares = re.findall(r"<tbody><tr><th scope=.row.>.+?</tbody>", output.partition('class="card"')[2])[0]
+    assert [re.findall("<td>(.*?)</td>", row)[3] for row in shares.split("</tr>")[:2]] == ["-", "0 %"], "none, paper"
 
 
 def test_a_published_folder_without_frames_is_not_called_incomplete_trial_by_trial(tmp_path) -> None:
@@ -413,17 +424,6 @@ def test_the_address_keeps_filters_and_order(page, open_page) -> None:
     assert linked.locator("th[aria-sort=ascending]").inner_text().startswith("p50")
 
 
-def test_pairs_are_tested_and_medians_are_bounds_where_most_stood(page, open_page) -> None:
-    [none] = [row for row in shown(open_page(page)) if "bullet\tgame\tnone" in row]
-    [paper] = [row for row in shown(open_page(page)) if "four_stack" in row and "bullet\tgame\tpaper" in row]
-    assert "6 of 6 fell" in none
-    assert "none fell, ≥30" in paper
-    assert "6 / 0; p = 0.031" in paper, "as unlikely as six equal tosses"
-
-
-def test_one_seed_has_no_interval_and_no_survival_curve(tmp_path) -> None:
-    output = page_of(tmp_path, [fallen(9), record(policy="paper")]).read_text(encoding="utf-8")
-    assert "n = 1 build of each: no intervals" in output
 def test_a_fresh_opening_and_a_reload_of_a_link_show_its_section(tmp_path, browser) -> None:
     """The section begins below the navigation, although tables above it become taller after the first layout."""
     made = page_of(tmp_path, [record(scene="tower-1", engine=f"engine{e}", policy="paper") for e in range(50)])
@@ -450,6 +450,17 @@ def test_the_view_is_copied_as_a_link_that_names_the_file_it_needs(page, open_pa
     assert "--single" in opened.locator("#copied").inner_text()
 
 
+def test_pairs_are_tested_and_medians_are_bounds_where_most_stood(page, open_page) -> None:
+    [none] = [row for row in shown(open_page(page)) if "bullet\tgame\tnone" in row]
+    [paper] = [row for row in shown(open_page(page)) if "four_stack" in row and "bullet\tgame\tpaper" in row]
+    assert "6 of 6 fell" in none
+    assert "none fell, ≥30" in paper
+    assert "6 / 0; p = 0.031" in paper, "as unlikely as six equal tosses"
+
+
+def test_one_seed_has_no_interval_and_no_survival_curve(tmp_path) -> None:
+    output = page_of(tmp_path, [fallen(9), record(policy="paper")]).read_text(encoding="utf-8")
+    assert "n = 1 build of each: no intervals" in output
     assert "a single build of each stack has no survival curve" in output
     assert not re.search(r"\d \[\d", output.partition("<main>")[2].partition("<script")[0])
 
