@@ -40,8 +40,8 @@ def problems(
     if earlier:
         found.append(
             f"Creep not measured: {_trials(len(earlier))} stood in records from before format 3, the first that "
-            f"measures creep, so that a creeping stack counts as right there. Measure it: `{again}`. Creep does not "
-            f"concern the other {_trials(len(ends) - len(earlier))}, which measured it, or fell, stopped or were not played."
+            f"measures creep, so that a creeping stack counts as right there. Measure it: `{again}`. The other "
+            f"{_trials(len(ends) - len(earlier))} measured it, or fell, stopped or were not played."
         )
     if missing:
         have = "planned trial has" if len(missing) == 1 else "planned trials have"

@@ -145,7 +145,7 @@ def test_a_run_without_measured_creep_says_so_and_names_the_command(tmp_path) ->
     output = page_of(tmp_path, made).read_text(encoding="utf-8")
     assert "Creep not measured: 1 trial stood in records from before format 3" in output
     assert re.search(r"Measure it: <code>uv run -m bench run \S+study.toml</code>", output)
-    assert "does not concern the other 2 trials" in output
+    assert "The other 2 trials measured it, or fell, stopped or were not played." in output
     shares = re.findall(r"<tbody><tr><th scope=.row.>.+?</tbody>", output.partition('class="card"')[2])[0]
     assert [re.findall("<td>(.*?)</td>", row)[3] for row in shares.split("</tr>")[:2]] == ["-", "0 %"], "none, paper"
 
