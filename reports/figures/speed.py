@@ -31,7 +31,7 @@ def speed_figure(engines: Sequence[EngineScores]) -> Figure | None:
         (scores, score)
         for scores in engines
         for score in scores.scores
-        if score.headline is not None and score.slowest is not None
+        if score.units is not None and score.slowest is not None
     ]
     if not points:
         return None
@@ -58,9 +58,11 @@ def speed_figure(engines: Sequence[EngineScores]) -> Figure | None:
         for panel in panels[max(0, len(titles) - columns) : len(titles)]:  # the lowest panel of each column
             panel.set_xlabel("p99 of slowest scene [ms]")
             panel.tick_params(labelbottom=True)
-        in_pairs = any(score.pairs is not None for _, score in points)
+        has_pairs = any(score.pairs is not None for _, score in points)
+        has_others = any(score.others is not None for _, score in points)
+        counted = ("pairs, other scenes" if has_others else "pairs") if has_pairs else "stacks"
         for panel in panels[::columns]:
-            panel.set_ylabel(f"share of {'pairs' if in_pairs else 'stacks'} correct")
+            panel.set_ylabel(f"share of {counted} correct")
         _speed_legend(figure, ink, marker)
     return figure
 
@@ -75,10 +77,10 @@ def _draw_budgets(axes: Axes) -> None:
 
 
 def _draw_score(axes: Axes, score: PolicyScore, colour: str, marker: str) -> None:
-    if score.headline is None or score.slowest is None:
+    if score.units is None or score.slowest is None:
         return
     time_ms = score.slowest.frame_ms_p99
-    right = score.headline.right
+    right = score.units.right
     if right.low is not None and right.high is not None:
         axes.vlines(time_ms, right.low, right.high, color=colour, alpha=0.4)
     axes.plot(time_ms, right.value, marker, color=colour, markersize=7, clip_on=False)

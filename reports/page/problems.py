@@ -8,8 +8,17 @@ from reports.records.trial import Status, TrialRecord
 from reports.tables.wording import some
 
 
-def problems(records: Sequence[TrialRecord], missing: Sequence[str], without_frames: Sequence[str]) -> list[str]:
-    """Return the caveats that the page shows first: failed, censored, missing and mixed trials."""
+def problems(
+    records: Sequence[TrialRecord], missing: Sequence[str], without_frames: Sequence[str], again: str
+) -> list[str]:
+    """Return the caveats that the page shows first: failed, censored, missing and mixed trials.
+
+    Args:
+        records: records of the study.
+        missing: ids of planned trials without a record.
+        without_frames: ids of trials without complete frames.
+        again: the command that runs the study; backticks mark it in a caveat.
+    """
     words: dict[Status, tuple[str, str]] = {
         "timeout": (
             "was stopped by the time limit: its levels are lower bounds, neither right nor wrong",
@@ -29,7 +38,11 @@ def problems(records: Sequence[TrialRecord], missing: Sequence[str], without_fra
     ]
     earlier = [one for one in records if one.mean_motion_m_s is not None and one.creep_m_s is None]
     if earlier:
-        found.append(f"From before format 3, whose verdicts do not consider creep: {_trials(len(earlier))}.")
+        found.append(
+            f"Creep not measured: {_trials(len(earlier))} stood in records from before format 3, the first that "
+            f"measures creep, so that a creeping stack counts as right there. Measure it: `{again}`. The other "
+            f"{_trials(len(ends) - len(earlier))} measured it, or fell, stopped or were not played."
+        )
     if missing:
         have = "planned trial has" if len(missing) == 1 else "planned trials have"
         found.append(f"{len(missing)} {have} no record (not yet run, or interrupted): {some(missing)}.")

@@ -56,7 +56,7 @@ _PLACES_SHOWN = 12
 """Number of places of the ranking that the page shows at first, because a reader takes one of the first."""
 _RUN = ("uv", "run", "-m", "bench", "run")
 """Command that runs a study, without its arguments."""
-_SCRIPTS = ("theme.js", "comparison.js", "heat_map.js", "traces.js")
+_SCRIPTS = ("theme.js", "landing.js", "comparison.js", "heat_map.js", "traces.js")
 _QUESTION = "Do the bricks stand when they should, and fall when they should?"
 """First sentence of the page of a study without a description."""
 _MARKS = {"right": "✓", "wrong": "✗", "mixed": "~"}
@@ -105,7 +105,7 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
             rows_shown=_ROWS_SHOWN,
             inks=inks(policies),
             numbers={policy: number for number, policy in enumerate(policies)},
-            problems=problems(records, missing, without_frames),
+            problems=problems(records, missing, without_frames, again),
             verdicts=sentences,
             share_note=share_note(groups, bool(of_pairs), again),
             difference_note=difference_note(groups, policies, again),

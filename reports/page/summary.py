@@ -57,7 +57,8 @@ def _headline(scores: Sequence[PolicyScore]) -> str:
     perfect = [one for one in perfect if not _wrong(one)]
     on_both_sides = [one for one in perfect if one.stand is not None and one.fall is not None]
     if on_both_sides:
-        return f"Every {what} right {_how(on_both_sides)}."
+        scenes = " and other scene" if any(one.others is not None for one in on_both_sides) else ""
+        return f"Every {what}{scenes} right {_how(on_both_sides)}."
     if perfect:
         side = "fall" if perfect[0].stand is None else "stand"
         return f"Right {_how(perfect)}, though only stacks that must {side} were built."

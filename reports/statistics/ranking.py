@@ -47,6 +47,8 @@ class Creep(NamedTuple):
     is_uncertain: bool = False
     """True if the creep exceeds its limit, but the stack counts as still, because the interval of the creep reaches
     below the limit."""
+    error_m_s: float | None = None
+    """Half width of the 95 % interval of the creep [m/s]; None if it was not measured."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,7 +192,7 @@ def _creep(groups: Sequence[Group]) -> Creep | None:
     A stack without a verdict, such as a stack in neutral balance, may creep.
     """
     measured = [
-        Creep(trial.creep_m_s, trial.creep_limit_m_s, trial.creep_is_uncertain)
+        Creep(trial.creep_m_s, trial.creep_limit_m_s, trial.creep_is_uncertain, trial.creep_error_m_s)
         for group in groups
         for trial in group.draws
         if trial.creep_m_s is not None and trial.creep_limit_m_s

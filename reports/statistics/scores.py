@@ -35,8 +35,14 @@ class PolicyScore:
     """Success rate of trials that must fall; None if no such trial was judged."""
     trials: SuccessRates | None
     """Success rates of all trials; None if no trial was judged."""
+    measures_creep: bool
+    """True if the creep of a stack that must stand, and stood, was measured."""
     pairs: SuccessRates | None
     """Success rates of pairs of scenes; None if no pair was judged."""
+    others: SuccessRates | None
+    """Success rates of the trials of scenes without a partner, if there are pairs; None if no such trial was judged."""
+    units: SuccessRates | None
+    """Success rates of pairs and of other scenes together, as in the ranking; None if none was judged."""
     frame_ms_p99: float | None
     """Median over scenes of the 99th percentile of frame times [ms], without scenes whose times come from several
     machines; None if no scene remains."""
@@ -56,13 +62,16 @@ class PolicyScore:
 
     @property
     def summary(self) -> str:
-        """Counts as text, such as ``38 of 46 pairs; 50 of 55 that must stand, 40 of 46 that must fall``."""
+        """Counts: ``38 of 46 pairs, 2 of 6 other scenes; 50 of 55 that must stand, 40 of 46 that must fall``."""
         sides = [(self.stand, "stand"), (self.fall, "fall")]
         sides_text = ", ".join(
             f"{count(side)} of {side.n} that must {word}" for side, word in sides if side is not None
         )
+        others = ""
+        if self.others is not None:
+            others = f", {self.others.right_count} of {self.others.n} other scene{'s' * (self.others.n != 1)}"
         return (
-            f"{self.pairs.right_count} of {self.pairs.n} pair{'s' * (self.pairs.n != 1)}; {sides_text}"
+            f"{self.pairs.right_count} of {self.pairs.n} pair{'s' * (self.pairs.n != 1)}{others}; {sides_text}"
             if self.pairs is not None
             else sides_text
         )
@@ -101,16 +110,26 @@ def score(policy: str, groups: Sequence[Group]) -> PolicyScore:
         those = [group for group in groups if group.expectation.outcome == side]
         return success_rate([[trial.verdict == "right" for trial in group.judged] for group in those])
 
+    pairs = pairs_of(groups)
+    in_pairs = {pair.name for pair in pairs}
+    others = [[{trial.verdict} for trial in group.judged] for group in groups if group.pair not in in_pairs]
     return PolicyScore(
         policy,
         stand=right("stand"),
         fall=right("fall"),
+        measures_creep=any(_measures_creep(trial) for group in groups for trial in group.draws),
         trials=success_rates([[{trial.verdict} for trial in group.judged] for group in groups]),
-        pairs=pair_success_rates(pairs_of(groups)),
+        pairs=pair_success_rates(pairs),
+        others=success_rates(others) if pairs else None,
+        units=success_rates([*(pair.judged for pair in pairs), *others]),
         frame_ms_p99=middle(groups, "frame_ms_p99"),
         slowest=slowest_scene(groups),
         frame_ratios=_ratios(groups),
     )
+
+
+def _measures_creep(trial: TrialRecord) -> bool:
+    return trial.verdict == "creeps" or (trial.creep_m_s is not None and trial.expectation.outcome == "stand")
 
 
 def slowest_scene(groups: Sequence[Group]) -> SlowestScene | None:

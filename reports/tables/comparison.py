@@ -12,7 +12,7 @@ from reports.statistics.known_faults import KnownFault, faults_of
 from reports.statistics.survival import PairedTest, holm
 from reports.tables.outcomes import ADOPTED_NOTE, adopted_mark, outcome
 from reports.tables.table import NOTHING, Table
-from reports.tables.wording import median_level, number, ratio_text, troubles
+from reports.tables.wording import MICRO, creep_doubt, median_level, number, ratio_text, troubles
 from scenarios.threads import Thread, thread_of
 
 
@@ -34,7 +34,8 @@ COLUMNS = (
         "creep",
         "slope of the position of the brick that is fastest for its thickness, over the last half of the watch; the "
         "limit is 1 % of the thickness a minute, 1.3 for a plank; ?: above the limit, but the 95 % interval reaches "
-        "below the limit, so that the stack counts as still",
+        "below the limit, so that the stack counts as still; trembles: the interval [in brackets] reaches 0, so that "
+        "the brick shakes, and its direction is not known",
         "µm/s",
     ),
     Column("p50", "median frame time ± median absolute deviation over seeds", "ms"),
@@ -165,7 +166,11 @@ def _measured(group: Group, field: str, digits: int, scale: float) -> Entry:
 def _creep(group: Group) -> Entry:
     entry = _measured(group, "creep_m_s", 3, 1e6)
     is_uncertain = any(trial.creep_is_uncertain for trial in group.draws)
-    return Entry(f"{entry.text} ?", entry.sort) if is_uncertain else entry
+    if not is_uncertain:
+        return entry
+    error = group.draws[0].creep_error_m_s if len(group.draws) == 1 else None
+    interval, mark = creep_doubt(entry.sort / MICRO, error)
+    return Entry(f"{entry.text}{interval} {mark}", entry.sort)
 
 
 def _timed(group: Group, field: str) -> Entry:

@@ -14,7 +14,7 @@ from reports.statistics.pairs import SetUp
 from reports.statistics.ranking import Creep, Place, Ranking
 from reports.statistics.states import STATES, State
 from reports.tables.table import NOTHING, Table
-from reports.tables.wording import MICRO, some
+from reports.tables.wording import MICRO, creep_doubt, micrometres, some
 
 STATE_WORDS: dict[State, tuple[str, str]] = {
     "right": ("correct", "correct"),
@@ -163,16 +163,14 @@ def _creep(creep: Creep | None) -> str:
 
 
 def _of_limit(creep: Creep | None) -> str:
-    """Format a creep and its limit [µm/s], such as ``0.60 of 1.28``, with ``?`` if it is uncertain; a dash for None."""
+    """Format a creep and its limit [µm/s], as ``0.60 of 1.28``, with its interval if uncertain; a dash for None."""
     if creep is None:
         return NOTHING
-    speed, limit = (_micrometres(value * MICRO) for value in (creep.m_s, creep.limit_m_s))
-    return f"{speed} of {limit}{' ?' if creep.is_uncertain else ''}"
-
-
-def _micrometres(speed: float) -> str:
-    """Format a speed [µm/s] with two decimals, from 100 on without decimals."""
-    return f"{speed:.2f}" if speed < 100 else f"{speed:.0f}"
+    speed, limit = (micrometres(value * MICRO) for value in (creep.m_s, creep.limit_m_s))
+    if not creep.is_uncertain:
+        return f"{speed} of {limit}"
+    interval, mark = creep_doubt(creep.m_s, creep.error_m_s)
+    return f"{speed}{interval} of {limit} {mark}"
 
 
 def _misses(place: Place) -> str:
@@ -205,7 +203,8 @@ def _notes(ranking: Ranking, records: Sequence[TrialRecord]) -> tuple[str, ...]:
         "p50, median scene: median over scenes of the median frame time. p99, slowest scene: 99 of 100 frames take at "
         "most so long in the scene where they take longest. Creep: of the brick nearest to its limit (1 % of its "
         "thickness a minute), or farthest beyond it, over all stacks that must stand; ?: above the limit, but its 95 % "
-        "interval reaches below, so that the stack counts as still."
+        "interval [in brackets] reaches below, so that the stack counts as still; trembles: the interval reaches 0, so "
+        "that the brick shakes, and its direction is not known."
     )
     if ranking.references:
         units += (

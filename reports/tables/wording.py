@@ -61,6 +61,27 @@ def _with_interval(estimate: Estimate, digits: int, scale: float, unit: str) -> 
     return text if low == high else f"{text} [{low}, {high}]"
 
 
+def micrometres(speed: float) -> str:
+    """Format a speed [µm/s] with two decimals, from 100 on without decimals."""
+    return f"{speed:.2f}" if speed < 100 else f"{speed:.0f}"
+
+
+def creep_doubt(creep_m_s: float, error_m_s: float | None) -> tuple[str, str]:
+    """Return the 95 % interval [µm/s] and the mark of a creep that is not certainly above its limit.
+
+    The mark is ``trembles`` if the interval reaches 0, because the brick then has no certain direction; else ``?``.
+    The interval is empty without a measured error.
+
+    Args:
+        creep_m_s: the creep [m/s].
+        error_m_s: half width of its interval [m/s].
+    """
+    if error_m_s is None:
+        return "", "?"
+    low, high = (max(0.0, creep_m_s + side * error_m_s) * MICRO for side in (-1, 1))
+    return f" [{micrometres(low)}, {micrometres(high)}]", "?" if low > 0 else "trembles"
+
+
 def median_level(survival: Survival | None) -> str:
     """Format the median collapse level with its interval, such as ``9 [8, 11]``; a dash for None.
 

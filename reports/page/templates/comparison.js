@@ -88,7 +88,7 @@
     const sorted = /^(-?)(\d+)$/.exec(state.get("sort") ?? "");
     if (sorted && heads[sorted[2]]?.querySelector("button")) sort(+sorted[2], sorted[1] === "-");
     filter();
-    document.getElementById("matrix").scrollIntoView();
+    land(document.getElementById("matrix"));
   };
 
   filters.addEventListener("input", () => { filter(); keep(); });
@@ -115,6 +115,17 @@
     const { before, line, after, end } = FORMATS[format], head = cellsOf(table.tHead.rows[0]);
     return [before?.(head.length), line(head), after?.(head.length), ...selection.map(row => line(cellsOf(row))), end].filter(Boolean).join("\n") + "\n";
   };
+  document.getElementById("link").addEventListener("click", async () => {
+    const note = document.getElementById("copied");
+    keep();
+    try {
+      await navigator.clipboard.writeText(location.href);
+      note.textContent = "link copied";
+    } catch { // where a page may not use the clipboard
+      note.textContent = location.href;
+    }
+    if (location.protocol === "file:") note.textContent += "; it begins with file:///, so that your colleague also needs the page as one file: uv run -m bench report DIR --single";
+  });
   document.getElementById("copy").addEventListener("click", async event => {
     const format = event.target.closest("button")?.textContent;
     if (!(format in FORMATS)) return;

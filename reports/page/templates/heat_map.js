@@ -65,11 +65,21 @@ for (const map of heatMaps) (() => {
     current.tabIndex = 0;
   });
 })();
-document.getElementById("families").addEventListener("input", event => {
+const families = document.getElementById("families"), FAMILIES = "#families:";
+families.addEventListener("input", event => {
   const form = event.currentTarget, family = event.target.value, note = form.querySelector("output"), link = document.createElement("a");
   document.querySelectorAll(".by-family").forEach(map => { map.hidden = family !== ""; });
   document.querySelectorAll(".by-scene").forEach(details => { details.open ||= family !== ""; });
   Object.assign(link, { href: `#rows:${new URLSearchParams({ family })}`, textContent: "its numbers" });
   if (family === "") note.replaceChildren();
   else note.replaceChildren("The column “right” counts this family alone; ", link, ".");
+  history.replaceState(null, "", family === "" ? "#map" : FAMILIES + new URLSearchParams({ family })); // so that it can be linked
 });
+const restoreFamily = () => {
+  if (!location.hash.startsWith(FAMILIES)) return;
+  families.elements.family.value = new URLSearchParams(location.hash.slice(FAMILIES.length)).get("family") ?? "";
+  families.elements.family.dispatchEvent(new Event("input", { bubbles: true }));
+  land(document.getElementById("map"));
+};
+addEventListener("hashchange", restoreFamily);
+restoreFamily();

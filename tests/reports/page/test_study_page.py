@@ -1,6 +1,7 @@
 """The page of a study, made from records and opened in a real browser."""
 
 import csv
+import itertools
 import re
 from pathlib import Path
 
@@ -74,7 +75,8 @@ def test_pairs_are_the_headline_where_there_are_any(tmp_path, open_page) -> None
     assert (
         opened.locator("#verdict .answer").inner_text().startswith("No set-up is right in both pairs; the nearest is")
     )
-    assert opened.locator(".card tbody tr").inner_text().split() == ["none", *["0", "%", "100", "%"], *["0", "%"] * 3]
+    shares = ["0", "%", "100", "%", "0", "%", "-", "0", "%"]  # creep was not measured
+    assert opened.locator(".card tbody tr").inner_text().split() == ["none", *shares]
     assert opened.locator("#pairs table").count() == 3
     assert "The 2 pairs judge 4 of 4 scenes." in opened.locator("#pairs").inner_text()
     opened.locator("#pairs summary").click()
@@ -136,6 +138,16 @@ def test_what_went_wrong_or_is_missing_is_said_first(page) -> None:
         f"Frames of 1 trial are missing or incomplete: {RECORDS[0].trial}",
     ):
         assert words in output
+
+
+def test_a_run_without_measured_creep_says_so_and_names_the_command(tmp_path) -> None:
+    made = [record(mean_motion_m_s=1e-6), record(policy="paper", creep_m_s=0.0), fallen(4, scene="card_house")]
+    output = page_of(tmp_path, made).read_text(encoding="utf-8")
+    assert "Creep not measured: 1 trial stood in records from before format 3" in output
+    assert re.search(r"Measure it: <code>uv run -m bench run \S+study.toml</code>", output)
+    assert "The other 2 trials measured it, or fell, stopped or were not played." in output
+    shares = re.findall(r"<tbody><tr><th scope=.row.>.+?</tbody>", output.partition('class="card"')[2])[0]
+    assert [re.findall("<td>(.*?)</td>", row)[3] for row in shares.split("</tr>")[:2]] == ["-", "0 %"], "none, paper"
 
 
 def test_a_published_folder_without_frames_is_not_called_incomplete_trial_by_trial(tmp_path) -> None:
@@ -410,6 +422,32 @@ def test_the_address_keeps_filters_and_order(page, open_page) -> None:
     linked.wait_for_function("document.querySelector('#filters [name=policy]').value === 'paper'")
     assert shown(linked) == expected
     assert linked.locator("th[aria-sort=ascending]").inner_text().startswith("p50")
+
+
+def test_a_fresh_opening_and_a_reload_of_a_link_show_its_section(tmp_path, browser) -> None:
+    """The section begins below the navigation, although tables above it become taller after the first layout."""
+    made = page_of(tmp_path, [record(scene="tower-1", engine=f"engine{e}", policy="paper") for e in range(50)])
+    views = (("#rows:policy=paper", "matrix"), ("#families:family=tower", "map"))
+    for (address, section), width in itertools.product(views, (1400, 1920, 390)):
+        opened = browser.new_page(viewport={"width": width, "height": 900})
+        opened.goto(made.as_uri() + address)
+        for _ in ("fresh", "reloaded"):
+            opened.wait_for_timeout(300)
+            top = opened.evaluate(f"document.getElementById('{section}').getBoundingClientRect().top")
+            assert 0 <= top <= 60, f"{address} at {width} px: the navigation is about 50 px high"
+            opened.evaluate("scrollTo({ top: 0, behavior: 'instant' })")
+            opened.reload()
+        opened.close()
+
+
+def test_the_view_is_copied_as_a_link_that_names_the_file_it_needs(page, open_page) -> None:
+    opened = open_page(page)
+    opened.evaluate("navigator.clipboard.writeText = async text => { window.copied = text; }")
+    opened.select_option("#filters [name=policy]", "paper")
+    opened.get_by_role("button", name="Copy link").click()
+    opened.wait_for_function("window.copied")
+    assert opened.evaluate("window.copied").endswith("index.html#rows:policy=paper")
+    assert "--single" in opened.locator("#copied").inner_text()
 
 
 def test_pairs_are_tested_and_medians_are_bounds_where_most_stood(page, open_page) -> None:

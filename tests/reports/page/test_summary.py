@@ -39,6 +39,11 @@ def test_right_pairs_do_not_hide_wrong_scenes_without_a_partner():
     assert headline(*pair) == "Every pair right alone."
     alone = fallen(3, scene="card_house", verdict="false_collapse")
     assert headline(*pair, alone) == "Every pair right alone, but 1 of 3 trials wrong."
+    assert headline(*pair, record(scene="wall")) == "Every pair and other scene right alone."
+    [score] = only_verdict(*pair, alone, record(scene="wall")).scores
+    assert score.summary.startswith("1 of 1 pair, 1 of 2 other scenes; ")
+    assert score.units is not None
+    assert (score.units.right_count, score.units.n) == (2, 3), "one pair and two other scenes, as the ranking counts"
 
 
 def test_the_frame_rate_is_that_of_the_slowest_scene():

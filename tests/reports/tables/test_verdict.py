@@ -93,6 +93,13 @@ def test_the_ranking_has_the_slowest_scene_and_the_creep_with_its_limit() -> Non
     assert costs["dart"] == ("1.0", "5.0", "0.60 of 1.28")
     assert costs["rapier"] == ("1.0", "2.0", "2.00 of 1.28 ?"), "above the limit, but it counts as still"
     assert costs["physx"][2] == "3.00 of 1.28"
+    shaking, drifting = (
+        rank(groups_of([doubtful.model_copy(update={"creep_error_m_s": error})])) for error in (3e-6, 1e-6)
+    )
+    assert ranking_table(shaking, []).rows[0][7] == "2.00 [0.00, 5.00] of 1.28 trembles", (
+        "its interval has no direction"
+    )
+    assert ranking_table(drifting, []).rows[0][7] == "2.00 [1.00, 3.00] of 1.28 ?"
     assert said(doubtful).endswith("creeps 2.0 µm/s (not certainly more than its limit of 1.3).")
 
 
