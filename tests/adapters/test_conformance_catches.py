@@ -10,7 +10,7 @@ import pybullet
 import pytest
 
 from adapters._bullet import BulletSimulation
-from adapters.conformance import CHECKS, ConformanceError, Rig
+from adapters.conformance import CHECKS
 from adapters.hooks import EngineHooks
 from adapters.port import EnginePort
 from adapters.profile import Knob, Profile, Sleeping
@@ -18,6 +18,7 @@ from adapters.shared.contact_completion import BoxTable
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
 from stability_core.ports.shared.approach import Motions
+from tests.adapters.broken import assert_caught
 
 ELSEWHERE = ("adapters.conformance.shapes", "adapters.conformance.welds")
 """Checks of ``test_conformance_shapes`` and ``test_conformance_welds``."""
@@ -624,12 +625,7 @@ BROKEN: list[tuple[type[BulletSimulation | EnginePort], list[str]]] = [
 
 @pytest.mark.parametrize(("broken", "check"), [(broken, check) for broken, checks in BROKEN for check in checks])
 def test_a_broken_adapter_is_caught(broken: type[BulletSimulation | EnginePort], check: str) -> None:
-    simulation = broken
-    if issubclass(broken, EnginePort):
-        simulation = type(broken.__name__, (BulletSimulation,), {"port_type": broken})
-    rig = Rig(lambda world: simulation(BulletSimulation.profiles["game"], world, "off", ()), simulation.capabilities)
-    with pytest.raises(ConformanceError):
-        CHECK[check].run_in(rig)
+    assert_caught(broken, CHECK[check])
 
 
 def test_every_check_is_known_to_catch_something() -> None:

@@ -6,9 +6,10 @@ import pybullet
 import pytest
 
 from adapters._bullet import BulletSimulation
-from adapters.conformance import CHECKS, ConformanceError, Rig
+from adapters.conformance import CHECKS
 from adapters.hooks import Pair
 from adapters.port import EnginePort
+from tests.adapters.broken import assert_caught
 
 CHECK = {check.name: check for check in CHECKS if check.measure.__module__ == "adapters.conformance.welds"}
 
@@ -82,12 +83,7 @@ BROKEN = [
 
 @pytest.mark.parametrize(("broken", "check"), BROKEN)
 def test_a_broken_joint_is_caught(broken: type[BulletSimulation | EnginePort], check: str) -> None:
-    simulation = broken
-    if issubclass(broken, EnginePort):
-        simulation = type(broken.__name__, (BulletSimulation,), {"port_type": broken})
-    rig = Rig(lambda world: simulation(BulletSimulation.profiles["game"], world, "off", ()), simulation.capabilities)
-    with pytest.raises(ConformanceError):
-        CHECK[check].run_in(rig)
+    assert_caught(broken, CHECK[check])
 
 
 def test_every_check_of_joints_is_known_to_catch_something() -> None:
