@@ -13,16 +13,13 @@ from bench.welding.bodies import NOBODY, BodyTable
 from bench.welding.joints import Pair, new_joints
 from bench.welding.recent_contacts import RecentContacts
 from bench.welding.settings import CORE, FAILURES, MAX_RESIDUAL, REVIEW_S
+from stability_core.blows import AHEAD
+from stability_core.extension import MOMENT_S
 from stability_core.port import BoolArray, Contacts, FloatArray, IntArray, StabilityPort
 from stability_core.settings import ROUNDING_S
 
 Load = Literal["own", "carried"]
 """Load of a body in the test of equilibrium: its own weight, or also what stands on it."""
-AHEAD = 1.5
-"""Time [frames] within which a contact's gap must close so that the contact counts as an impact, as in the core."""
-
-MOMENT_S = 1e-9
-"""Time [s] of a look without a step, as in the core: so short that any motion since the latest look counts as fast."""
 
 
 class WeldPort(StabilityPort, Protocol):
