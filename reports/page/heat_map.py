@@ -16,6 +16,7 @@ from reports.statistics.ranking import Ranking, rank
 from reports.statistics.states import STATES, State, states_of
 from reports.statistics.success_rates import MISSES
 from reports.tables.verdict import STATE_WORDS, counted
+from reports.tables.wording import quantity
 
 MISSING = "missing"
 """Name of the state of a cell without a trial, also as a class in the style sheet of the page."""
@@ -97,14 +98,10 @@ def heat_maps(groups: Sequence[Group], ranking: Ranking, names: Mapping[str, str
     if len(scenes) <= MOST_SCENES or len(families) == 1:
         return [by_scene]
     columns = [
-        Column(name, "", name, name, False, _scenes(len({group.key.scene for group in members})))
+        Column(name, "", name, name, False, quantity(len({group.key.scene for group in members}), "scene"))
         for (name,), members in families.items()
     ]
     return [_map("family", families, columns, ranking, right_in), by_scene]
-
-
-def _scenes(number: int) -> str:
-    return f"{number} scene{'s' * (number != 1)}"
 
 
 def _right_in(families: Mapping[str, Sequence[Group]]) -> dict[SetUp, dict[str, str]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from reports.records.trial import Status, TrialRecord
-from reports.tables.wording import some
+from reports.tables.wording import quantity, some
 
 
 def problems(
@@ -32,16 +32,16 @@ def problems(
     }
     ends = [record.status for record in records]
     found = [
-        f"{number} of {_trials(len(ends))} {text[number > 1]}."
+        f"{number} of {quantity(len(ends), 'trial')} {text[number > 1]}."
         for status, text in words.items()
         if (number := ends.count(status))
     ]
     earlier = [one for one in records if one.mean_motion_m_s is not None and one.creep_m_s is None]
     if earlier:
         found.append(
-            f"Creep not measured: {_trials(len(earlier))} stood in records from before format 3, the first that "
-            f"measures creep, so that a creeping stack counts as right there. Measure it: `{again}`. The other "
-            f"{_trials(len(ends) - len(earlier))} measured it, or fell, stopped or were not played."
+            f"Creep not measured: {quantity(len(earlier), 'trial')} stood in records from before format 3, the first "
+            f"that measures creep, so that a creeping stack counts as right there. Measure it: `{again}`. The other "
+            f"{quantity(len(ends) - len(earlier), 'trial')} measured it, or fell, stopped or were not played."
         )
     if missing:
         have = "planned trial has" if len(missing) == 1 else "planned trials have"
@@ -49,15 +49,12 @@ def problems(
     if len(without_frames) == len(records) > 1:
         found.append("No trial has its frames here (published folders keep none): the page shows no traces of them.")
     elif without_frames:
-        found.append(f"Frames of {_trials(len(without_frames))} are missing or incomplete: {some(without_frames)}.")
+        found.append(
+            f"Frames of {quantity(len(without_frames), 'trial')} are missing or incomplete: {some(without_frames)}."
+        )
     hosts = {record.host for record in records if record.host is not None}
     if len(hosts) > 1:
         found.append(f"Trials ran on {len(hosts)} machines: a row that mixes them shows no times.")
     if len({record.environment for record in records}) > 1:
         found.append("Trials come from several environments (commits, versions or machines): compare with care.")
     return found
-
-
-def _trials(number: int) -> str:
-    """Return a number of trials as text, such as ``1 trial`` or ``23 trials``."""
-    return f"{number} trial{'s' * (number != 1)}"

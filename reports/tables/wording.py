@@ -28,6 +28,11 @@ def some(names: Sequence[str], most: int = 3) -> str:
     return ", ".join(names[:most]) + (f" and {more} more" if more > 0 else "")
 
 
+def quantity(number: int, noun: str) -> str:
+    """Return a number of things as text, such as ``1 trial`` or ``23 trials``."""
+    return f"{number} {noun}{'s' * (number != 1)}"
+
+
 def number(estimate: Estimate | None, digits: int, scale: float = 1.0) -> str:
     """Format an estimate with ``digits`` decimals and its interval, such as ``0.07 [0.06, 0.09]``; a dash for None.
 
