@@ -33,16 +33,16 @@ class Point(_Model):
     link: str = ""
     """Address of the version's changelog; empty if unknown."""
     message: str = ""
-    """Reason for which the version has no figures; empty if it has some."""
+    """Reason why the version has no figures; empty for a version with figures."""
     notes: list[str] = []
     """Circumstances that differ from other versions, such as missing knobs."""
 
 
 class Series(_Model):
-    """One figure of a study, for each version."""
+    """The values of one figure of a study over the versions."""
 
     name: str
-    """Name that identifies the figure, such as ``creep of four_stack-6``."""
+    """Unique name of the figure, such as ``creep of four_stack-6``."""
     kind: Kind
     unit: str
     values: list[float | None]
@@ -53,13 +53,13 @@ class Explanation(_Model):
     """A changelog line that explains a step."""
 
     version: str
-    """Version in which the step is."""
+    """First version with the new values of the step."""
     series: list[str] = []
-    """Names of the explained figures; empty for all figures with a step at this version."""
+    """Names of the explained figures; empty for all figures with a step at ``version``."""
     quote: str
     """Quoted line of the changelog."""
     of: str = ""
-    """Version whose section of the changelog contains the quote, if it is not ``version``."""
+    """Version whose section of the changelog contains the quote; empty for ``version`` itself."""
     link: str
     """Address of the changelog."""
 
@@ -100,7 +100,7 @@ def read_history(path: Path) -> History:
     """Return the history in a file.
 
     Raises:
-        HistoryError: if the file is unreadable, or is not a history.
+        HistoryError: if the file is missing or unreadable, or is not a history.
     """
     try:
         return History.model_validate_json(path.read_bytes())
@@ -113,5 +113,5 @@ def read_history(path: Path) -> History:
 
 
 def write_history(path: Path, history: History) -> None:
-    """Write a history atomically."""
+    """Write a history atomically; the folder must exist."""
     write_atomic(path, (history.model_dump_json(indent=1) + "\n").encode())

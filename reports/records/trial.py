@@ -44,7 +44,7 @@ FORMAT: Literal[3] = 3
 
 
 class RecordError(ValueError):
-    """An unreadable file of records; the message names the file, the line and the fix."""
+    """An unreadable file of records; the message names the file, the fix and, for a faulty line of JSON, the line."""
 
 
 class RecordWarning(UserWarning):
@@ -70,7 +70,7 @@ class TrialRecord(BaseModel):
     profile: str
     """Profile of the engine; ``NAME@knob=value`` is a profile with a varied knob."""
     unit_scale: float | None = None
-    """Length units of the engine per metre; null if the engine was never opened."""
+    """Length units of the engine per metre; null if the trial ended before its first frame could start."""
     scenario: str
     """Name of the scenario."""
     scene: str
@@ -91,22 +91,22 @@ class TrialRecord(BaseModel):
     levels_placed: int = 0
     """Number of levels of which every brick had been released."""
     height_levels: int = 0
-    """Highest level that ever stood intact, with all levels below it, after its bricks had had time to land."""
+    """Highest level that ever stood intact, with all levels below it, after its bricks had had time to land; for a
+    poured pile, the number of poured bricks."""
     height_m: float | None = None
     """Height [m] of the top of the highest intact level, measured when this level was last seen intact before the next
-    level started."""
+    level started; for a poured pile, the height of its highest corner in the last frame."""
     collapse_level: int | None = None
     """Number of levels placed when the collapse was first seen; null without a collapse (censored)."""
     sink_m: float | None = None
-    """Mean depth [m] of the bricks of the highest intact level below their ideal height, at the time of
-    ``height_m``."""
+    """Mean depth [m] of the bricks of the highest intact level below their planned height, at the time of ``height_m``;
+    for a poured pile, the decrease of the mean height of all bricks during the watch."""
     drift_m: float | None = None
-    """Greatest horizontal distance [m] of a brick from its release position when the highest level was last seen
-    intact."""
+    """Greatest horizontal distance [m] of a brick from its release position, at the time of ``height_m``."""
     creep_m_s: float | None = None
     """Creep [m/s]: slope of the centre's position over the last half of the watch, for the brick that is fastest
-    relative to its thickness. Null if the stack did not stand throughout, and for trials from before format 3 unless
-    their recordings prove the creep."""
+    relative to its thickness. Null if the stack fell, if this half has fewer than 20 frames, and for trials from before
+    format 3 unless their recordings prove the creep."""
     frame_ms_p50: float | None = None
     """Median time [ms] of a frame: engine, read-back, core and port calls, but not the bridge to an engine in a
     separate process. The median is over the frames that ``timed_frames`` counts."""
@@ -144,23 +144,26 @@ class TrialRecord(BaseModel):
     verdict: Verdict
     """Comparison of the outcome with theory.
     ``right``: the outcome agrees with theory.
-    ``false_stand``: a stack that must fall stood, or fell too late.
-    ``false_collapse``: a stack that must stand fell, or a stack that must fall fell too early.
+    ``false_stand``: a stack that must fall stood, or fell too late or at too high a level.
+    ``false_collapse``: a stack that must stand fell, or a stack that must fall fell too early or at too low a level.
     ``creeps``: a stack that must stand stood, but the whole interval of a brick's creep exceeds the limit.
-    ``failed``: a stack that must fall only sank, or an error, a crash or a divergence ended the trial.
+    ``failed``: a stack that must fall only sank, or an error, a crash, a lack of memory or a divergence ended the
+    trial.
     ``undecided``: the time limit stopped the trial.
-    ``none``: theory demands no outcome, or the engine does not support the scene."""
+    ``none``: theory demands no outcome, the engine does not support the scene, or a stack that must stand is in neutral
+    balance."""
     environment: str
     """Digest of the environment of the run (``environment.json``)."""
     collapse_kind: CollapseKind | None = None
-    """Kind of the collapse; ``sink`` only if nothing toppled, slid or dropped in the second after the collapse was
-    first seen."""
+    """Kind of the collapse; ``sink`` only if nothing toppled, slid or dropped until 1 s after the collapse was first
+    seen. For bricks thicker than a plank, this time is longer."""
     collapse_s: float | None = None
     """Simulated time [s] at which the collapse was first seen."""
     frame_ratio_level: int | None = None
-    """Level of the stack at which ``frame_ratio`` was measured."""
+    """Level of the stack for which the trial measured, or could not measure, ``frame_ratio``."""
     frame_ratio_message: str = ""
-    """Reason for a missing ``frame_ratio``; empty if the study did not request the ratio, or the ratio was measured."""
+    """Reason why the trial could not measure ``frame_ratio``; empty if the trial measured the ratio, or did not try to
+    measure the ratio."""
     levels_planned: int
     """Number of levels of the whole scene."""
     simulated_s: float = 0.0
@@ -173,7 +176,8 @@ class TrialRecord(BaseModel):
     """Median time [ms] of a fixed calculation just before and just after the frames; its spread over the trials of a
     run shows variations of the machine's speed."""
     core: int | None = None
-    """Index of the processor core to which the harness pinned the trial; null if the trial was not pinned."""
+    """Index of the only processor core that the trial could use; null if the trial could use several cores, or if an
+    error ended the trial."""
     pair: str = ""
     """Id shared by the two scenes of a pair; empty for a scene without a partner."""
     rest_s: float | None = None
@@ -214,17 +218,18 @@ class TrialRecord(BaseModel):
     """Slope [deg] of tilting ground at which a brick had moved by 1 % of its thickness or turned by half a degree; null
     if no brick moved or turned by that much, and if no ground tilts."""
     own_limit_deg: float | None = None
-    """Least slope [deg] at which exact statics finds no equilibrium with the points and normals of the engine's own
-    contacts; null with an extension, and if no ground tilts."""
+    """Greatest slope [deg] at which exact statics finds an equilibrium with the points and normals of the engine's own
+    contacts. Null with an extension, if no ground tilts, and if statics gives the same answer at 0 and 45 deg."""
     ridge_deg: float | None = None
     """Greatest angle [deg] between the engine's contact normal at a ridge, where two leaning planks meet, and the
-    bisector of the normals that are possible there; null if no contact at a ridge was seen."""
+    bisector of the normals that are possible there; null with an extension, if no ground tilts, and if no contact at a
+    ridge was seen."""
     asleep_s: float | None = None
     """Simulated time [s] in which a brick that must move by theory kept its pose to the last bit; null if no brick must
     move."""
     moved_after_s: float | None = None
     """Simulated time [s] after which all bricks that must move had covered the distance that theory demands; null if a
-    brick had not covered its distance."""
+    brick had not covered its distance, and if no brick must move."""
     carried_share: float | None = None
     """Ratio of the weight that the ground carries, by the engine's contact forces, to the weight of all bricks: mean
     over the frames in which the finished stack is watched. Null if the trial has no audit of forces, or the engine
@@ -238,10 +243,10 @@ class TrialRecord(BaseModel):
     ``carried_share``. Null if ``carried_share`` is null, and if the engine reports no separations."""
 
     memory_mib: float | None = None
-    """Peak of the resident memory [MiB] of the trial's process while the scene was played, minus the resident memory
-    just before the engine was opened. The difference includes the engine, the extension, the data recorded by the
-    harness, the code pages used for the first time and, if the trial compiles a kernel, the compiler. Null if the
-    system does not report the peak, and for an engine in a separate process."""
+    """Peak of the resident memory [MiB] of the trial's process from the opening of the engine to the last frame, minus
+    the resident memory just before that opening. The difference includes the engine, the extension, the data recorded
+    by the harness, the code pages used for the first time and, if the trial compiles a kernel, the compiler. Null if
+    the system does not report the peak, for an engine in a separate process, and if an error ended the trial."""
     solver_iterations: float | None = None
     """Mean number of iterations of the engine's solver in the last step of a frame, for the island with the most
     iterations; null if the engine reports no iterations. The frames are the frames of ``frame_ms_p50``."""
@@ -267,7 +272,10 @@ class TrialRecord(BaseModel):
 
     @property
     def creep_is_uncertain(self) -> bool:
-        """True if the creep exceeds its limit in a stack that counts as still, because its interval reaches below."""
+        """True if the verdict is ``right`` although the creep exceeds its limit.
+
+        The interval of such a creep includes the limit.
+        """
         measured, limit = self.creep_m_s, self.creep_limit_m_s
         return self.verdict == "right" and measured is not None and limit is not None and measured > limit
 
@@ -302,10 +310,10 @@ def read_records(path: Path) -> list[TrialRecord]:
     """Return all records of a file, in the order of the file.
 
     Raises:
-        RecordError: if the file is missing, or contains a line that is not a record.
+        RecordError: if the file is missing or unreadable, or contains a line that is not a record.
 
     Warns:
-        RecordWarning: if an interruption made the last line incomplete; the reader skips this line.
+        RecordWarning: if the last line is incomplete; the reader skips this line.
     """
     try:
         return list(_records(path))
@@ -326,7 +334,10 @@ def _records(path: Path) -> Iterator[TrialRecord]:
                 continue
             if _is_torn(raw):
                 warnings.warn(
-                    f"{path}:{number}: the last line is incomplete; the reader skips it", RecordWarning, stacklevel=4
+                    f"{path}:{number}: the last line is incomplete; the reader skips it; "
+                    "run the study again to repeat this trial",
+                    RecordWarning,
+                    stacklevel=4,
                 )
                 return
             try:
