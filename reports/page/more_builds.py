@@ -1,4 +1,4 @@
-"""Notes of the page on how sure its numbers are, with the command that plays more builds."""
+"""Notes of the page on the uncertainty of its numbers, with the command that plays more builds."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ _MORE = 20
 
 
 def share_note(groups: Sequence[Group], in_pairs: bool, again: str) -> str:
-    """Return the note on the shares of each engine: of what they are, how sure they are, and how they become surer.
+    """Return the note on the shares of each engine: their base, their intervals, and the command for more builds.
 
     Args:
         groups: all groups of the study.
-        in_pairs: True if the shares are those of pairs.
+        in_pairs: True for shares of pairs, False for shares of stacks.
         again: the command that runs the study; backticks mark it in the note.
     """
     seeds = max(len(group.draws) for group in groups)
@@ -33,7 +33,7 @@ def share_note(groups: Sequence[Group], in_pairs: bool, again: str) -> str:
 
 
 def difference_note(groups: Sequence[Group], policies: Collection[str], again: str) -> str:
-    """Return the note that says which run fills the column “against none”, or makes its p smaller.
+    """Return the note on significant differences, with the command that plays enough builds for the column “against none”.
 
     Args:
         groups: all groups of the study.

@@ -44,9 +44,9 @@ class KnownFault(BaseModel):
     kind: Literal["issue", "pull"]
     """Kind of the thread, which its address contains."""
     symptoms: tuple[Symptom, ...] = Field(min_length=1)
-    """Symptoms that flag a row."""
+    """Symptoms of the fault, at least one."""
     sentence: str
-    """What the thread says, in one sentence."""
+    """Statement of the thread, in one sentence."""
     first: str = ""
     """First version for which the thread reports the fault; empty if every earlier version may have it."""
     last: str = ""
@@ -90,17 +90,19 @@ class KnownFault(BaseModel):
 
 @cache
 def known_faults(file: Path = FILE) -> tuple[KnownFault, ...]:
-    """Return the known faults of a file, in its order.
+    """Return the known faults of a file, in the order of the file.
 
     Raises:
         KnownFaultsError: if an entry is not valid.
+        OSError: if the file is unreadable.
+        tomllib.TOMLDecodeError: if the file is not TOML.
     """
     entries = tomllib.loads(file.read_text(encoding="utf-8")).get("fault", [])
     return tuple(_fault(file, number, entry) for number, entry in enumerate(entries, start=1))
 
 
 def faults_of(group: Group) -> tuple[KnownFault, ...]:
-    """Return the known faults that a trial of a group shows."""
+    """Return the known faults that the first repeat of a seed of the group shows."""
     return tuple(fault for fault in known_faults() if any(fault.shows_in(trial) for trial in group.draws))
 
 
