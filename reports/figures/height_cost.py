@@ -1,4 +1,4 @@
-"""The figure of levels against frame time: a panel per engine and scene, a mark per profile, a Pareto front per policy."""
+"""The figure of levels against frame time: a panel per engine and scene, a mark per profile, a front per policy."""
 
 from __future__ import annotations
 

@@ -35,8 +35,8 @@ class Column:
     scenario: str
     """Name of the scenario of a scene, or of the family, by which the page filters columns."""
     rest: str
-    """Name without the family. If the name is the family alone, the text is empty in the first column of the family, and
-    ``unvaried`` in other columns."""
+    """Name without the family. If the name is the family alone, the text is empty in the first column of the family,
+    and ``unvaried`` in other columns."""
     is_first: bool
     """True for the first of neighbouring columns of one family; False for own scenes and for families."""
     note: str
@@ -64,8 +64,8 @@ class Row:
     """Right units over all units, such as ``52/53``."""
     cells: tuple[Cell, ...]
     right_in: Mapping[str, str]
-    """Right units over all units of each family alone, such as ``5/6``, by the name of the family; without families that
-    have no units."""
+    """Right units over all units of each family alone, such as ``5/6``, by the name of the family; without families
+    that have no units."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -33,7 +33,7 @@ def share_note(groups: Sequence[Group], in_pairs: bool, again: str) -> str:
 
 
 def difference_note(groups: Sequence[Group], policies: Collection[str], again: str) -> str:
-    """Return the note on significant differences, with the command that plays enough builds for the column “against none”.
+    """Return the note on the column “against none”, with the command that plays enough builds for a significant p.
 
     Args:
         groups: all groups of the study.

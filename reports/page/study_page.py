@@ -229,7 +229,7 @@ def _with_code(text: str) -> Markup:
 
 
 def _messages(row: ComparisonRow) -> list[str]:
-    """Return up to ``_MOST_MESSAGES`` distinct messages of a row's draws, and the number of further messages, if any."""
+    """Return up to ``_MOST_MESSAGES`` distinct messages of a row's draws, and the number of further messages."""
     found = list(dict.fromkeys(trial.message for trial in row.group.draws if trial.message))
     more = len(found) - _MOST_MESSAGES
     return found[:_MOST_MESSAGES] + ([f"and {more} more"] if more > 0 else [])

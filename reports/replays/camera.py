@@ -44,7 +44,7 @@ def parse_camera(text: str) -> Camera:
 
     Raises:
         UnknownNameError: if a name is unknown.
-        ExportError: if a value is not a number in its range.
+        ExportError: if a value is not a number in its range, or if a part after the first has no value.
     """
     camera = CAMERAS["corner"]
     for number, part in enumerate(text.split(",")):
@@ -55,7 +55,7 @@ def parse_camera(text: str) -> Camera:
             camera = look_up("camera", name, CAMERAS)
         else:
             raise ExportError(
-                f"each part of the camera '{text}' after the name must be one of "
+                f"each part of the camera '{text}' after the first must be one of "
                 f"{', '.join(f'{key}=NUMBER' for key in _FIELDS)}, got '{part}': change --camera"
             )
     return camera

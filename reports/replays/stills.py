@@ -22,7 +22,7 @@ class StillsError(RuntimeError):
 
 
 def write_stills(folder: Path, stacks: Iterable[Sequence[Replayed]], pixels: int = PIXELS) -> None:
-    """Draw the still of every trial.
+    """Draw the still of every trial, unless the trials of its list have neither bricks nor fixed bodies.
 
     Args:
         folder: folder of the stills, created if necessary.

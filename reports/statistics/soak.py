@@ -32,8 +32,8 @@ class SoakSummary:
     median_m_s: float | None
     """Median creep of the trials with a measured creep [m/s]; None without such trials."""
     shortest_s: float | None
-    """Shortest time [s] in which a brick of a creeping trial moves by its thickness, at its measured creep; None without
-    creeping trials."""
+    """Shortest time [s] in which a brick of a creeping trial moves by its thickness, at its measured creep; None
+    without creeping trials."""
 
 
 def soaked(records: Sequence[TrialRecord]) -> list[TrialRecord]:

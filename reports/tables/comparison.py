@@ -75,7 +75,7 @@ class ComparisonRow:
     trouble: str
     """Numbers of trials that neither completed nor collapsed, in words; empty if there are none."""
     note: str
-    """Further note for the reader; may be empty."""
+    """Further note for the reader; empty without a note."""
     thread: Thread | None = None
     """Public discussion (thread) from which the scene comes; None for other scenes."""
     faults: tuple[KnownFault, ...] = ()

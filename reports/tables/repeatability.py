@@ -41,10 +41,13 @@ def same_poses(repeats: Sequence[TrialRecord]) -> bool:
 
 
 def best_times(folder: Path, repeats: Sequence[TrialRecord]) -> list[float] | None:
-    """Return percentiles 50, 95 and 99 of the frame times [ms], with the least time of each frame over all repeats.
+    """Return percentiles 50, 95 and 99 of the least times of each frame over all repeats [ms].
 
     The result is None if the repeats differ in poses, machine or number of timed frames, because such frames are not
     comparable. The result is also None if the frames of a repeat are missing.
+
+    Raises:
+        pyarrow.ArrowException: if the file of the frames of a repeat is incomplete.
     """
     if not same_poses(repeats) or len({(record.host, record.timed_frames) for record in repeats}) != 1:
         return None
