@@ -35,7 +35,7 @@ def write_cost_figure(path: Path, points: Sequence[CostPoint]) -> None:
 def cost_figure(points: Sequence[CostPoint]) -> Figure:
     """Draw levels over milliseconds per frame: a panel for each engine and scene, all with the same axes.
 
-    The figure shows the first six policies, because it has six colours.
+    The figure shows only the first six policies, because ``_COLOURS`` has six colours.
 
     Args:
         points: at least one point.

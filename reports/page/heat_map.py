@@ -1,6 +1,7 @@
 """The heat map of a study: a row per set-up in the order of the ranking, a column per scene, the state in each cell.
 
-A study of many scenes also has a map by family of scenes. This map comes first, because it fits on a screen.
+A study of more than ``MOST_SCENES`` scenes of several families also has a map by family. The map by family comes first,
+because this map fits on a screen.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 from reports.statistics.groups import ALONE, Group
 
 _MORE = 20
-"""Number of seeds that the notes propose: with 20 builds of a scene, the 95 % interval of a share of one half is about
+"""Number of seeds that the notes propose. With 20 builds of a scene, the 95 % interval of a share of one half is about
 0.44 wide."""
 
 
@@ -17,7 +17,7 @@ def share_note(groups: Sequence[Group], in_pairs: bool, again: str) -> str:
     Args:
         groups: all groups of the study.
         in_pairs: True for shares of pairs, False for shares of stacks.
-        again: the command that runs the study; backticks mark it in the note.
+        again: the command that runs the study; backticks mark the command in the note.
     """
     seeds = max(len(group.draws) for group in groups)
     what = "pairs of stacks of which one must stand and one must fall" if in_pairs else "stacks with a known answer"
@@ -38,7 +38,7 @@ def difference_note(groups: Sequence[Group], policies: Collection[str], again: s
     Args:
         groups: all groups of the study.
         policies: the policies of the study.
-        again: the command that runs the study; backticks mark it in the note.
+        again: the command that runs the study; backticks mark the command in the note.
     """
     seeds = max(_MORE, 2 * max(len(group.draws) for group in groups))
     other = next((policy for policy in policies if policy != ALONE), "equilibrium")

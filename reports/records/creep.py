@@ -44,7 +44,7 @@ def is_creeping(creep_m_s: float, error_m_s: float, limit_m_s: float) -> bool:
 
 
 def with_creep(record: TrialRecord, recording: Recording) -> TrialRecord:
-    """Return the record of a trial from before format 3, with the creep that the recording proves and its verdict.
+    """Return a record from before format 3 with the creep that its recording proves, and with the resulting verdict.
 
     A recording is accurate to about 0.05 mm in each coordinate. Therefore a recording proves only two cases:
 

@@ -1,4 +1,4 @@
-"""The results folder: its file names, and access to its content."""
+"""The results folder: names of its files, and access to its content."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ REPORT = "report"
 
 
 class ResultsFolder:
-    """A folder with the results of a run, or with the published part of the results."""
+    """A folder with the results of a run, or with the published part of these results."""
 
     def __init__(self, path: Path) -> None:
         """Keep the path of the folder, without reading its files."""

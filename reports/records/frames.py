@@ -14,8 +14,8 @@ import pyarrow.parquet as pq
 from reports.records.atomic import atomic_file
 
 UNTIMED_FRAMES = 5
-"""Number of frames at the start of a trial that no timing includes, because they contain one-time costs: the engine
-builds its caches, the first brick lands, and kernels for the first contacts compile."""
+"""Number of frames at the start of a trial that no timing includes, because these frames contain one-time costs. The
+engine builds its caches, the first brick lands, and kernels for the first contacts compile."""
 
 
 class FrameRow(NamedTuple):

@@ -14,7 +14,7 @@ FORMAT: Literal["stillstack-history-1"] = "stillstack-history-1"
 HISTORY = "history.json"
 """File name of a history in its folder."""
 Kind = Literal["levels", "collapse", "creep", "sink", "tilt", "time"]
-"""Kind of a figure, which decides what counts as a step (``reports.statistics.steps``)."""
+"""Kind of a figure. ``reports.statistics.steps`` has the least step of each kind."""
 
 
 class HistoryError(ValueError):
@@ -73,9 +73,9 @@ class Step(_Model):
     previous: str
     """Last version with the old values."""
     before: float
-    """Median of the values before the step, back to the step before it."""
+    """Median of the values from the previous step, or from the first version, up to this step."""
     after: float
-    """Median of the values from the step on, up to the next step."""
+    """Median of the values from this step up to the next step, or to the last version."""
     explanation: Explanation | None = None
 
 

@@ -1,7 +1,7 @@
 """The pose trace of a trial: every change of a pose, to the last bit, to find where two trials begin to differ.
 
 A recording (``recording``) rounds poses, because viewers cannot see small motions. A trace is exact and large, and
-therefore ends with the frame in which it reaches ``MOST_ROWS`` changes.
+therefore ends with the frame that completes ``MOST_ROWS`` changes.
 """
 
 from __future__ import annotations

@@ -52,8 +52,8 @@ WORLD = World()
 
 
 _TURN = 1e-3
-"""Change of the gravity vector above which a recording keeps the new gravity, as a ratio of the length of the change to
-the length of the vector. The value stands for a turn of gravity by 0.06 deg."""
+"""Least relative change of the gravity vector with which a recording keeps the new gravity. The change is the length of
+the difference over the length of the new vector: 0.001 for a turn of gravity by 0.06 deg."""
 
 
 @dataclass(frozen=True, slots=True)

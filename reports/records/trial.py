@@ -87,20 +87,20 @@ class TrialRecord(BaseModel):
     """Status at the end of the trial: ``completed``, ``collapsed``, ``timeout``, ``diverged``, ``crashed``, ``error``,
     ``out_of_memory`` or ``unsupported``."""
     message: str = ""
-    """Reason for the end of the trial; empty if it completed."""
+    """Reason for the end of the trial; empty for a completed trial."""
     levels_placed: int = 0
     """Number of levels of which every brick had been released."""
     height_levels: int = 0
-    """Highest level that ever stood intact, with all levels below it, after its bricks had had time to land; for a
-    poured pile, the number of poured bricks."""
+    """Highest level that ever stood intact, with all levels below it, after its bricks had had time to land. For a
+    poured pile: the number of poured bricks."""
     height_m: float | None = None
     """Height [m] of the top of the highest intact level, measured when this level was last seen intact before the next
-    level started; for a poured pile, the height of its highest corner in the last frame."""
+    level started. For a poured pile: the height of its highest corner in the last frame."""
     collapse_level: int | None = None
     """Number of levels placed when the collapse was first seen; null without a collapse (censored)."""
     sink_m: float | None = None
-    """Mean depth [m] of the bricks of the highest intact level below their planned height, at the time of ``height_m``;
-    for a poured pile, the decrease of the mean height of all bricks during the watch."""
+    """Mean depth [m] of the bricks of the highest intact level below their planned height, at the time of ``height_m``.
+    For a poured pile: the decrease of the mean height of all bricks during the watch."""
     drift_m: float | None = None
     """Greatest horizontal distance [m] of a brick from its release position, at the time of ``height_m``."""
     creep_m_s: float | None = None
@@ -173,15 +173,15 @@ class TrialRecord(BaseModel):
     timed_frames: int | None = None
     """Number of timed frames: all frames after the first five, up to a collapse."""
     calibration_ms: float | None = None
-    """Median time [ms] of a fixed calculation just before and just after the frames; its spread over the trials of a
-    run shows variations of the machine's speed."""
+    """Median time [ms] of a fixed calculation just before and just after the frames. The spread of this time over the
+    trials of a run shows variations of the machine's speed."""
     core: int | None = None
     """Index of the only processor core that the trial could use; null if the trial could use several cores, or if an
     error ended the trial."""
     pair: str = ""
     """Id shared by the two scenes of a pair; empty for a scene without a partner."""
     rest_s: float | None = None
-    """Time [s] after the last action at which a brick of a poured pile was last seen moving; null if a brick still
+    """Time [s] after the last action at which a brick of a poured pile was last seen moving. Null if a brick still
     moved at the end, and for scenes without a pile."""
     repose_deg: float | None = None
     """Angle of repose [deg] of a poured pile: the slope of the cone that has the median height and the median radius of
@@ -191,7 +191,7 @@ class TrialRecord(BaseModel):
     live_last: int | None = None
     """Number of live bricks in the last frame; null without an extension."""
     adopted: int | None = None
-    """Number of bodies of prebuilt stacks that the core froze before the first step after their placement; null without
+    """Number of bodies of prebuilt stacks that the core froze before the first step after their placement. Null without
     an extension, and for a scene without a prebuilt stack."""
     watch_s: float | None = None
     """Simulated time [s] for which the trial watches the scene after its last action."""
@@ -207,52 +207,55 @@ class TrialRecord(BaseModel):
     sinking_m_s: float | None = None
     """Fastest vertical creep [m/s] of any centre, downward or upward."""
     mean_motion_m_s: float | None = None
-    """Fastest mean motion [m/s] of a brick over the whole watch, including the settling of the stack; only in trials
-    from before format 3, which called it creep."""
+    """Fastest mean motion [m/s] of a brick over the whole watch, including the settling of the stack. Null in trials
+    since format 3; earlier formats called this motion creep."""
     host: str | None = None
     """Name of the machine; timings of different machines are not comparable."""
     bridge_ms: float | None = None
     """Mean time [ms] per frame of the transfer to an engine in a separate process and back, which no other time
     includes. Null for an engine in the trial's own process."""
     onset_deg: float | None = None
-    """Slope [deg] of tilting ground at which a brick had moved by 1 % of its thickness or turned by half a degree; null
+    """Slope [deg] of tilting ground at which a brick had moved by 1 % of its thickness or turned by half a degree. Null
     if no brick moved or turned by that much, and if no ground tilts."""
     own_limit_deg: float | None = None
     """Greatest slope [deg] at which exact statics finds an equilibrium with the points and normals of the engine's own
     contacts. Null with an extension, if no ground tilts, and if statics gives the same answer at 0 and 45 deg."""
     ridge_deg: float | None = None
     """Greatest angle [deg] between the engine's contact normal at a ridge, where two leaning planks meet, and the
-    bisector of the normals that are possible there; null with an extension, if no ground tilts, and if no contact at a
+    bisector of the normals that are possible there. Null with an extension, if no ground tilts, and if no contact at a
     ridge was seen."""
     asleep_s: float | None = None
     """Simulated time [s] in which a brick that must move by theory kept its pose to the last bit; null if no brick must
     move."""
     moved_after_s: float | None = None
-    """Simulated time [s] after which all bricks that must move had covered the distance that theory demands; null if a
+    """Simulated time [s] after which all bricks that must move had covered the distance that theory demands. Null if a
     brick had not covered its distance, and if no brick must move."""
     carried_share: float | None = None
-    """Ratio of the weight that the ground carries, by the engine's contact forces, to the weight of all bricks: mean
-    over the frames in which the finished stack is watched. Null if the trial has no audit of forces, or the engine
-    reports no forces."""
+    """Ratio of the weight that the ground carries, by the engine's contact forces, to the weight of all bricks. The
+    value is the mean over the frames of the watch of the finished stack. Null if the trial has no audit of forces, or
+    the engine reports no forces."""
     cone_excess: float | None = None
     """Amount by which the friction force of the worst contact exceeds mu times its normal force, in units of the mean
-    weight of a brick: mean over the frames of ``carried_share``. Null if ``carried_share`` is null."""
+    weight of a brick. The value is the mean over the frames of ``carried_share``. Null if ``carried_share`` is null."""
     complementarity: float | None = None
-    """Greatest natural residual abs(min(f / w, s / h)) of a contact, with its normal force f, the mean weight w of a
-    brick, its separation s (negative for an overlap) and the least thickness h of a brick: mean over the frames of
-    ``carried_share``. Null if ``carried_share`` is null, and if the engine reports no separations."""
+    """Greatest natural residual abs(min(f / w, s / h)) of a contact. A contact has the normal force f and the
+    separation s (negative for an overlap); w is the mean weight and h the least thickness of a brick. The value is the
+    mean over the frames of ``carried_share``. Null if ``carried_share`` is null, and if the engine reports no
+    separations."""
 
     memory_mib: float | None = None
     """Peak of the resident memory [MiB] of the trial's process from the opening of the engine to the last frame, minus
     the resident memory just before that opening. The difference includes the engine, the extension, the data recorded
-    by the harness, the code pages used for the first time and, if the trial compiles a kernel, the compiler. Null if
-    the system does not report the peak, for an engine in a separate process, and if an error ended the trial."""
+    by the harness, and code pages used for the first time. If the trial compiles a kernel, the compiler counts too.
+    Null if the system does not report the peak, for an engine in a separate process, and if an error ended the
+    trial."""
     solver_iterations: float | None = None
     """Mean number of iterations of the engine's solver in the last step of a frame, for the island with the most
-    iterations; null if the engine reports no iterations. The frames are the frames of ``frame_ms_p50``."""
+    iterations. Null if the engine reports no iterations. The frames are the frames of ``frame_ms_p50``."""
     core_instructions: float | None = None
-    """Mean number of instructions per frame of the core in user code, without port calls; null without an extension,
-    and if the system does not count instructions. The frames are the frames of ``frame_ms_p50``."""
+    """Mean number of instructions per frame of the core in user code, without port calls. Null without an extension,
+    for a policy that joins bodies, and if the system does not count instructions. The frames are the frames of
+    ``frame_ms_p50``."""
 
     @model_validator(mode="before")
     @classmethod

@@ -61,8 +61,8 @@ class Margins:
     times: list[float]
     """Simulated times of the instants [s], ascending, t entries."""
     load_n: FloatArray
-    """Greatest additional load [N], shape (t, n); NaN for bricks that are not in the world or that the host moves,
-    and for all bricks where some overlap so far that their contacts are unknown."""
+    """Greatest additional load [N], shape (t, n). NaN for bricks that are not in the world or that the host moves. At
+    an instant at which bricks overlap so far that their contacts are unknown, NaN for all bricks."""
     tilt_deg: FloatArray
     """Greatest tilt of gravity [deg], shape (t, n); NaN where ``load_n`` is NaN."""
     weight_n: FloatArray

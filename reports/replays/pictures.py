@@ -24,7 +24,7 @@ from reports.replays.sheet import Key, Sheet
 from reports.replays.timeline import Timeline
 
 _MOST_PIXELS = 8192
-"""Greatest edge of a picture [pixels], because the renderer draws at twice the size, and its limit is 16384 pixels."""
+"""Greatest edge of a picture [pixels], because the renderer draws at twice the size, up to 16384 pixels."""
 _ROOM = 0.5
 """Greatest growth of the visible space on each horizontal side for fallen bricks, as a share of the longer horizontal
 edge of the space."""

@@ -108,7 +108,7 @@ class Sheet:
 
 
 def _shortened(text: str, room: float, font: Font) -> str:
-    """Return ``text``, with an ellipsis in place of its end if it is wider than ``room`` [pixels].
+    """Return ``text``, with an ellipsis in place of the end of a text that is wider than ``room`` [pixels].
 
     The result is empty if no letter has room.
     """

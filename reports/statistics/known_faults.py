@@ -5,7 +5,7 @@ A known fault flags a group of trials if a trial of the group meets both conditi
 - The engine, the version, the policy and the scene match the fault.
 - The trial shows a symptom of the fault.
 
-A flag does not prove the cause. The row counts as it would without the flag.
+A flag does not prove the cause. A row with a flag counts like a row without a flag.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class KnownFaultsError(ValueError):
 
 
 class KnownFault(BaseModel):
-    """A public thread about an engine, and the rows that it flags."""
+    """A public thread about an engine, with the conditions under which the thread flags a trial."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -42,7 +42,7 @@ class KnownFault(BaseModel):
     thread: str = Field(pattern=r"^[\w.-]+/[\w.-]+#\d+$")
     """Repository and number, such as ``bulletphysics/bullet3#3049``."""
     kind: Literal["issue", "pull"]
-    """Kind of the thread, which its address contains."""
+    """Kind of the thread, which decides the form of its address."""
     symptoms: tuple[Symptom, ...] = Field(min_length=1)
     """Symptoms of the fault, at least one."""
     sentence: str

@@ -48,7 +48,7 @@ class Creep(NamedTuple):
     """True if the creep exceeds its limit, but the stack counts as still, because the interval of the creep reaches
     below the limit."""
     error_m_s: float | None = None
-    """Half width of the 95 % interval of the creep [m/s]; None if it was not measured."""
+    """Half width of the 95 % interval of the creep [m/s]; None without a measured interval."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,8 +71,8 @@ class Place:
     """The scene with the greatest 99th percentile of the frame time, without scenes whose times come from several
     machines; None if no scene remains."""
     creep: Creep | None
-    """Creep with the greatest ratio to its limit, of all stacks that must stand and did not fall, without stacks in
-    neutral balance; None without a measured creep."""
+    """Creep with the greatest ratio to its limit, of all stacks that must stand and did not fall. Stacks in neutral
+    balance do not count. None without a measured creep."""
 
 
 @dataclass(frozen=True)

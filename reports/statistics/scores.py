@@ -50,8 +50,8 @@ class PolicyScore:
     """The scene with the greatest 99th percentile of frame times, without scenes whose times come from several
     machines; None if no scene remains."""
     frame_ratios: tuple[Estimate, ...]
-    """Ratio of the frame time with the extension to the frame time without the extension, on the same stack, for each
-    scene with at least ``LEAST_RATIOS`` pairs of times."""
+    """Frame ratio of each scene with at least ``LEAST_RATIOS`` pairs of times. A frame ratio is the frame time with the
+    extension over the frame time without the extension, on the same stack."""
 
     @property
     def headline(self) -> SuccessRates | None:

@@ -1,8 +1,8 @@
 """Steps of a figure over versions: the versions at which its level changes and stays changed.
 
-The module transforms the values x_i to a scale on which a step has a typical size: logarithms for creep, sink and
-times, plain values for levels and angles. The search by PELT (pruned exact linear time) then finds the segments that
-minimise
+The module transforms the values to x_i on a scale on which a step has a typical size. The scale is logarithmic for
+creep, sink and times, and linear for levels and angles. The search by PELT (pruned exact linear time) then finds the
+segments that minimise
 
     sum over segments of sum_i ((x_i - mean of segment) / s)^2  +  penalty * number of steps
 
@@ -65,9 +65,15 @@ SCALES: dict[Kind, Scale] = {
 }
 """Scale of each kind of figure."""
 PENALTY = 4.0
-"""Penalty of a step in units of the squared noise and of the logarithm of the number of versions. With 2 (Schwarz's
-criterion) 4 of 50 flat histories of 40 times with a noise of 12 % had a step, with 3 one had, and with 4 none
-(``tests/reports/statistics/test_steps.py``, seed 24); planted steps were found as often with 2 as with 6."""
+"""Penalty of a step in units of the squared noise and of the logarithm of the number of versions. The value comes from
+50 flat histories of 40 times with a noise of 12 % (``tests/reports/statistics/test_steps.py``, seed 24):
+
+- with a penalty of 2 (Schwarz's criterion), 4 histories had a step;
+- with a penalty of 3, one history had a step;
+- with a penalty of 4, no history had a step.
+
+The search found planted steps as often with 2 as with 6.
+"""
 _MAD_TO_SIGMA = 1.4826 / math.sqrt(2.0)
 """Factor from the median absolute difference of neighbours to the standard deviation of Gaussian noise."""
 _LEAST_VERSIONS = 6

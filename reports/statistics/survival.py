@@ -23,8 +23,8 @@ FloatArray = npt.NDArray[np.float64]
 CONFIDENCE = 0.95
 """Confidence of every interval, by convention."""
 PERMUTATIONS = 9999
-"""Greatest number of sign combinations in a paired test: all combinations for up to 13 pairs, else a random sample,
-which gives a p-value of 0.05 with an error of 0.004."""
+"""Greatest number of sign combinations in a paired test: all combinations for up to 13 pairs, else a random sample. The
+sample gives a p-value of 0.05 with an error of 0.004."""
 _ROUNDING = 1e-9
 """Bound of the rounding error of a share, which is a product of fractions."""
 _SEED = 20150608
@@ -48,8 +48,8 @@ class Lifetime:
 def lifetime(trial: TrialRecord) -> Lifetime | None:
     """Return the lifetime of a trial's stack; None if the trial has no result about the stack.
 
-    A stack without a collapse has no result if an error, a crash or a lack of memory ended the trial, or if the engine
-    does not support the scene. A trial whose poses became non-finite counts as fallen.
+    A trial without a collapse has no result if its status is ``error``, ``crashed``, ``out_of_memory`` or
+    ``unsupported``. A trial whose poses became non-finite counts as fallen.
     """
     if trial.collapse_level is not None:
         return Lifetime(trial.collapse_level, True)

@@ -17,7 +17,7 @@ from scenarios.statics.contact_patch import Ridge
 from scenarios.statics.truth import UndecidedError, first_fall
 
 EXACT_SHARE = 0.02
-"""Ratio of the tolerance of the bisection by exact statics to the tolerance of the bisection on the engine, chosen so
+"""Tolerance of the bisection by exact statics over the tolerance of the bisection on the engine. The ratio is small, so
 that the error of the exact limit is negligible."""
 
 

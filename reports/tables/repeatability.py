@@ -17,7 +17,7 @@ from reports.tables.table import NOTHING, Table
 
 NOISY = 0.1
 """Spread of the times of the fixed calculation above which the table warns that smaller differences of times mean
-nothing: ratio of the 95th to the 5th percentile, minus 1."""
+nothing. The spread is the 95th over the 5th percentile, minus 1."""
 _PERCENTILES = (50, 95, 99)
 """Percentiles of the best times."""
 
