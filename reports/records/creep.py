@@ -51,7 +51,7 @@ def with_creep(record: TrialRecord, recording: Recording) -> TrialRecord:
     - zero creep, if all bricks were frozen during the last half of the watch;
     - a creep above the limit, if the creep of a brick exceeds the limit by more than the greatest error of that creep.
 
-    In any other case, for a thinned recording and for a record of format 3, the function returns the record unchanged.
+    In any other case, for a thinned recording and for a record since format 3, the function returns the record unchanged.
     The verdict changes only from ``right`` to ``creeps``.
     """
     begin = _watch_half_s(record)

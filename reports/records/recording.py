@@ -2,8 +2,8 @@
 
 A row gives the pose of a brick from the row's frame until the brick's next row. The resolution is 0.01 mm for positions
 and 1e-4 for components of quaternions. A motion within the dead band (0.05 mm, about 0.05 degrees) counts as rest. The
-file sorts rows by brick, then by frame. It stores columns as differences, so that a standing stack of 100 planks takes
-about 0.1 MB.
+file sorts rows by brick, then by frame. The file stores columns as differences, so that a standing stack of 100 planks
+takes about 0.1 MB.
 """
 
 from __future__ import annotations

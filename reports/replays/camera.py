@@ -22,7 +22,7 @@ class Camera:
     """Angle of the direction from the centre to the camera above the horizontal [deg], from -90 to 90. At 90, the top
     of the picture points opposite to the direction that ``azimuth`` gives."""
     distance: float | None = None
-    """Distance from the centre [m]; None for the least distance that shows the whole visible space."""
+    """Distance from the centre [m]; None for 1.1 times the least distance that shows the whole visible space."""
 
 
 CAMERAS: Mapping[str, Camera] = {

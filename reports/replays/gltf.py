@@ -1,8 +1,8 @@
 """Conversion of a recording to an animated glTF 2.0 file (GLB), for viewers and 3-D programs.
 
 Each brick is a node with an animated pose. The node has a child mesh for each state of the brick. The animation shows
-one of these meshes at a time, and scales all other meshes to 0. The mesh of all boxes is a unit cube, whose scale is
-the size of the brick; other shapes have meshes in metres. Fixed bodies are static nodes. The root node turns the z axis
+one of these meshes at a time, and scales all other meshes to 0. The mesh of a box is a unit cube, whose scale is the
+size of the brick. Other shapes have meshes in metres. Fixed bodies are static nodes. The root node turns the z axis
 into the y axis, because the y axis of glTF points up.
 """
 

@@ -193,7 +193,8 @@ def _unsupported_s(timeline: Timeline, changes: list[int]) -> float:
 def _late_s(timeline: Timeline, due_s: float, visible: float) -> float | None:
     """Return the time [s] from ``due_s`` until a brick has moved by ``visible`` [m]; None if no brick moves that far.
 
-    The motion begins one frame before ``due_s``, and only bricks in the world in that frame count.
+    The function measures motion from the poses one frame before ``due_s``, of bricks that are in the world then and
+    later.
     """
     recording = timeline.recording
     due = round(due_s / recording.frame_s)

@@ -116,7 +116,7 @@ def _surface(shape: Shape, size: Vector) -> list[list[float]]:
 
 
 def _margins(margins: Margins) -> dict[str, Any]:
-    """Return the instants [s], and for each margin the class of every brick at each instant."""
+    """Return the instants [s], and for each kind of margin the class of every brick at each instant."""
     return {"times": margins.times, **{quantity: margins.classes(quantity).tolist() for quantity in QUANTITIES}}
 
 

@@ -1,6 +1,6 @@
 """Known faults of engines: public threads that may explain a row of a report.
 
-A known fault flags a group of trials if a trial of the group meets both conditions:
+A known fault flags a group of trials if the first repeat of a seed of the group meets both conditions:
 
 - The engine, the version, the policy and the scene match the fault.
 - The trial shows a symptom of the fault.

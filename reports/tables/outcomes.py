@@ -86,7 +86,7 @@ def outcome(trials: Sequence[TrialRecord]) -> str:
 
 
 def adopted_mark(trials: Sequence[TrialRecord]) -> str:
-    """Return ``ADOPTED`` if the core froze prebuilt bodies before the first step of a trial, else an empty string."""
+    """Return ``ADOPTED`` if this mark applies to one of the trials, else an empty string."""
     return ADOPTED if any(trial.adopted for trial in trials) else ""
 
 

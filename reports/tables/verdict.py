@@ -40,8 +40,8 @@ def sentence(ranking: Ranking, unfinished: int = 0) -> str:
 
     The cases, in order:
 
-    - no scene is judged: the sentence points to the tables;
-    - all set-ups run reference engines: the sentence states that they have no place in the ranking;
+    - the ranking has no units: the sentence points to the tables;
+    - all set-ups run reference engines: the sentence states that these engines have no place in the ranking;
     - no set-up is right in all units: the sentence names the first set-up of the ranking, with its misses;
     - the set-ups with all units right have no comparable frame times: the sentence names these set-ups;
     - otherwise: the sentence names the cheapest set-up with all units right.
