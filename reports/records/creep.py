@@ -51,8 +51,8 @@ def with_creep(record: TrialRecord, recording: Recording) -> TrialRecord:
     - zero creep, if all bricks were frozen during the last half of the watch;
     - a creep above the limit, if the creep of a brick exceeds the limit by more than the greatest error of that creep.
 
-    In any other case, for a thinned recording and for a record since format 3, the function returns the record unchanged.
-    The verdict changes only from ``right`` to ``creeps``.
+    In any other case, for a thinned recording and for a record since format 3, the record stays unchanged. The verdict
+    changes only from ``right`` to ``creeps``.
     """
     begin = _watch_half_s(record)
     if record.creep_m_s is not None or record.mean_motion_m_s is None or begin is None or recording.every != 1:

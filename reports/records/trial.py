@@ -171,10 +171,10 @@ class TrialRecord(BaseModel):
     wall_s: float | None = None
     """Wall time [s] of the trial, including work outside timed frames."""
     timed_frames: int | None = None
-    """Number of timed frames: all frames after the first five, up to a collapse."""
+    """Number of timed frames: all frames after the first five, up to a collapse; null without timed frames."""
     calibration_ms: float | None = None
     """Median time [ms] of a fixed calculation just before and just after the frames. The spread of this time over the
-    trials of a run shows variations of the machine's speed."""
+    trials of a run shows variations of the machine's speed. Null if an error ended the trial."""
     core: int | None = None
     """Index of the only processor core that the trial could use; null if the trial could use several cores, or if an
     error ended the trial."""
@@ -210,7 +210,7 @@ class TrialRecord(BaseModel):
     """Fastest mean motion [m/s] of a brick over the whole watch, including the settling of the stack. Null in trials
     since format 3; earlier formats called this motion creep."""
     host: str | None = None
-    """Name of the machine; timings of different machines are not comparable."""
+    """Name of the machine; timings of different machines are not comparable. Null if an error ended the trial."""
     bridge_ms: float | None = None
     """Mean time [ms] per frame of the transfer to an engine in a separate process and back, which no other time
     includes. Null for an engine in the trial's own process."""
