@@ -174,10 +174,10 @@ class TrialRecord(BaseModel):
     """Number of timed frames: all frames after the first five, up to a collapse; null without timed frames."""
     calibration_ms: float | None = None
     """Median time [ms] of a fixed calculation just before and just after the frames. The spread of this time over the
-    trials of a run shows variations of the machine's speed. Null if an error ended the trial."""
+    trials of a run shows variations of the machine's speed. Null if an exception or a crash ended the trial."""
     core: int | None = None
     """Index of the only processor core that the trial could use; null if the trial could use several cores, or if an
-    error ended the trial."""
+    exception or a crash ended the trial."""
     pair: str = ""
     """Id shared by the two scenes of a pair; empty for a scene without a partner."""
     rest_s: float | None = None
@@ -210,7 +210,8 @@ class TrialRecord(BaseModel):
     """Fastest mean motion [m/s] of a brick over the whole watch, including the settling of the stack. Null in trials
     since format 3; earlier formats called this motion creep."""
     host: str | None = None
-    """Name of the machine; timings of different machines are not comparable. Null if an error ended the trial."""
+    """Name of the machine; timings of different machines are not comparable. Null if an exception or a crash
+    ended the trial."""
     bridge_ms: float | None = None
     """Mean time [ms] per frame of the transfer to an engine in a separate process and back, which no other time
     includes. Null for an engine in the trial's own process."""
@@ -247,8 +248,8 @@ class TrialRecord(BaseModel):
     """Peak of the resident memory [MiB] of the trial's process from the opening of the engine to the last frame, minus
     the resident memory just before that opening. The difference includes the engine, the extension, the data recorded
     by the harness, and code pages used for the first time. If the trial compiles a kernel, the compiler counts too.
-    Null if the system does not report the peak, for an engine in a separate process, and if an error ended the
-    trial."""
+    Null if the system does not report the peak, for an engine in a separate process, and if an exception or a crash
+    ended the trial."""
     solver_iterations: float | None = None
     """Mean number of iterations of the engine's solver in the last step of a frame, for the island with the most
     iterations. Null if the engine reports no iterations. The frames are the frames of ``frame_ms_p50``."""
