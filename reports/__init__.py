@@ -1,4 +1,4 @@
-"""Reports: tables, a page and replays from raw records; ``reports.load(DIR)`` returns the results as data frames."""
+"""Reports of a study from its raw records: tables, figures, a page, replays, and the data frames of ``load``."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ def load(folder: str | Path) -> Results:
     """Return the results of a results folder, or of a folder in ``docs/results``, as data frames.
 
     Args:
-        folder: a folder with ``trials.jsonl``, ``trials.parquet``, or the ``trials.csv`` of earlier versions.
+        folder: a folder with ``trials.jsonl``, ``trials.parquet`` or, from earlier versions, ``trials.csv``.
     """
     from reports.records.results import Results  # it imports pandas, which takes 0.5 s and a run does not need
 

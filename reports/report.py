@@ -100,11 +100,11 @@ class Report:
     tables: tuple[Table, ...]
     """Tables that the terminal shows."""
     ranking: Table
-    """Table of the ranking of the set-ups; without rows if no trial is judged."""
+    """Table of the ranking of the set-ups; without rows if no scene has a known answer."""
     verdict: str
     """Verdict of the study in one sentence."""
     is_all_right: bool
-    """True if at least one set-up is right in all scenes with a known answer."""
+    """True if at least one set-up of a product is right in all scenes with a known answer."""
     page: Path
     """Path of the page."""
     notices: tuple[str, ...]
@@ -116,6 +116,7 @@ def tables_of(folder: ResultsFolder) -> dict[Section, Sequence[Table]]:
 
     Raises:
         RecordError: if the records are unreadable.
+        pyarrow.ArrowException: if a file of frames that a table needs is incomplete.
     """
     return {section: section.tables(folder) for section in SECTIONS}
 
@@ -130,6 +131,7 @@ def build_report(folder: ResultsFolder, missing: Sequence[str] = (), *, all_stil
 
     Raises:
         RecordError: if the records are unreadable, or the folder has no records.
+        pyarrow.ArrowException: if a file of frames that a table needs is incomplete.
     """
     if not folder.records:
         raise RecordError(

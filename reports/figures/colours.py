@@ -47,5 +47,8 @@ def inks(policies: Sequence[str]) -> dict[str, Ink]:
 
 
 def markers(engines: Sequence[str]) -> dict[str, str]:
-    """Return the marker of each engine, as the letter by which matplotlib names the marker."""
+    """Return the marker of each engine, as the letter by which matplotlib names the marker.
+
+    The markers repeat after ten engines.
+    """
     return {name: _MARKERS[number % len(_MARKERS)] for number, name in enumerate(engines)}

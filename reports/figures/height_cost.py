@@ -1,4 +1,4 @@
-"""The figure of levels against frame time: a panel per engine, a mark per profile, a line through the Pareto front."""
+"""The figure of levels against frame time: a panel per engine and scene, a mark per profile, a front per policy."""
 
 from __future__ import annotations
 
@@ -26,14 +26,20 @@ _FRAME_MS = 1e3 / 60
 
 
 def write_cost_figure(path: Path, points: Sequence[CostPoint]) -> None:
-    """Write the figure as SVG; equal points give identical bytes."""
+    """Write the figure of at least one point as SVG; equal points give identical bytes."""
     style = mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "stillstack", "font.size": 8, "axes.titlesize": 9})
     with style, atomic_file(path) as draft:
         cost_figure(points).savefig(draft, format="svg", metadata={"Date": None})
 
 
 def cost_figure(points: Sequence[CostPoint]) -> Figure:
-    """Draw levels over milliseconds per frame: a panel for each engine and scene, all with the same axes."""
+    """Draw levels over milliseconds per frame: a panel for each engine and scene, all with the same axes.
+
+    The figure shows only the first six policies, because ``_COLOURS`` has six colours.
+
+    Args:
+        points: at least one point.
+    """
     panels = list(dict.fromkeys((point.scene, point.engine) for point in points))
     policies = list(dict.fromkeys(point.policy for point in points))
     columns = min(_COLUMNS, len(panels))

@@ -20,13 +20,13 @@ _PANEL_INCHES = (9.0, 1.25)
 _LINE, _STEP = "#0072b2", "#d55e00"
 """Colours of values and of steps, of Okabe and Ito, distinguishable by colour-blind readers."""
 _FACTORS: dict[Kind, tuple[float, str]] = {"creep": (1e6, "um/s"), "sink": (1e3, "mm")}
-"""Factor and unit in which a kind of figure is drawn, if they are not those of its values."""
+"""Factor and unit of the panels of a kind of figure, if the panels do not have the unit of the values."""
 _COUNTS: frozenset[Kind] = frozenset({"levels", "collapse"})
 """Kinds of whole numbers."""
 
 
 def write_history_figure(path: Path, history: History) -> None:
-    """Write the figure as SVG; equal histories give identical bytes."""
+    """Write the figure as SVG, atomically; equal histories give identical bytes."""
     with mpl.rc_context(STYLE), atomic_file(path) as draft:
         history_figure(history).savefig(draft, format="svg", metadata={"Date": None})
 
@@ -49,7 +49,7 @@ def history_figure(history: History) -> Figure:
 
 
 def display(series: Series, value: float | None) -> str:
-    """Return a value in the unit of the panel that shows the value."""
+    """Return a value as text, in the unit of the panel of its series; ``-`` without a value."""
     if value is None:
         return "-"
     factor, unit = _FACTORS.get(series.kind, (1.0, series.unit))

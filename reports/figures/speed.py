@@ -22,7 +22,7 @@ _MOST_INCHES = 10.5
 
 
 def speed_figure(engines: Sequence[EngineScores]) -> Figure | None:
-    """Draw the success rate against the frame time; return None if no score has both quantities.
+    """Draw the success rate against the frame time of the slowest scene; return None if no score has both quantities.
 
     Each profile has a panel. If there are more profiles than engines, as in a study of settings, each engine has a
     panel instead.

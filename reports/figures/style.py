@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from reports.figures.colours import inks
 
 INK, FAINT = "#1f2328", "#c9ced6"
-"""Colour of text and axes, and colour of grid lines; a page replaces them by its own colours."""
+"""Colour of text and axes, and colour of grid lines. ``for_page`` replaces both by the colours of the page."""
 STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
     "svg.hashsalt": "stillstack",
@@ -36,7 +36,14 @@ STYLE: dict[Any, Any] = {
 
 
 def save(figure: Figure, stem: Path) -> str:
-    """Write a figure as SVG and PDF without dates, so that equal records give identical files; return the SVG."""
+    """Write a figure as SVG and PDF, and return the SVG.
+
+    The files contain no dates, so that equal records give identical files.
+
+    Args:
+        figure: the figure, which keeps no layout engine.
+        stem: path of the files without suffix.
+    """
     with mpl.rc_context(STYLE):
         figure.savefig(stem.with_suffix(".svg"), transparent=True, metadata={"Date": None})
         figure.set_layout_engine("none")  # so that the PDF keeps the layout of the SVG

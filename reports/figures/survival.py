@@ -26,7 +26,11 @@ def has_survival(groups: Sequence[Group]) -> bool:
 
 
 def survival_figure(groups: Sequence[Group]) -> Figure:
-    """Draw the survival curves of one scene and profile: a panel per engine, a curve per policy."""
+    """Draw the survival curves of one scene and profile: a panel per engine, a curve per policy.
+
+    Args:
+        groups: groups of the scene and profile, at least one with lifetimes.
+    """
     engines = list(dict.fromkeys(group.key.engine for group in groups if group.survival is not None))
     rows, columns = -(-len(engines) // _COLUMNS), min(_COLUMNS, len(engines))
     with mpl.rc_context(STYLE):

@@ -13,7 +13,7 @@ _PATHS = {"sleep": "docs/results/sleep/tables.md", "use": "docs/using_it_in_your
 
 
 class Document(NamedTuple):
-    """A document, and the link to it."""
+    """Path and link of a document."""
 
     path: str
     """Path relative to the root of the project, which the page shows."""

@@ -34,7 +34,7 @@ class Shelf:
     replay: str | None
     """Link to the replay, relative to the page; None without a replay."""
     pictures: tuple[Picture, ...]
-    """Pictures in the order of the policies."""
+    """One picture per policy, in the order of the groups."""
 
 
 def shelves(report: Path, groups: Sequence[Group]) -> dict[str, list[Shelf]]:
@@ -57,7 +57,7 @@ def _picture(report: Path, group: Group) -> Picture:
 
 
 def _first(report: Path, group: Group) -> TrialRecord:
-    """Return the first trial with a still in a group, else the first trial."""
+    """Return the first of a group's draws that has a still, or the first draw if none has a still."""
     drawn = (trial for trial in group.draws if still_of(report / "stills", trial).exists())
     return next(drawn, group.draws[0])
 

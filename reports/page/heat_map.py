@@ -1,6 +1,7 @@
 """The heat map of a study: a row per set-up in the order of the ranking, a column per scene, the state in each cell.
 
-A study of many scenes also has a map by family of scenes. This map comes first, because it fits on a screen.
+A study of more than ``MOST_SCENES`` scenes of several families also has a map by family. The map by family comes first,
+because this map fits on a screen.
 """
 
 from __future__ import annotations
@@ -35,10 +36,10 @@ class Column:
     scenario: str
     """Name of the scenario of a scene, or of the family, by which the page filters columns."""
     rest: str
-    """Name without the family; ``unvaried`` for a scene with the default parameters that is not the first column of its
-    family, whose name the map shows once."""
+    """Name without the family. If the name is the family alone, the text is empty in the first column of the family,
+    and ``unvaried`` in other columns."""
     is_first: bool
-    """True for the first column of its family."""
+    """True for the first of neighbouring columns of one family; False for own scenes and for families."""
     note: str
     """Outcome that theory demands of a scene, or the number of scenes of a family."""
 
@@ -64,7 +65,8 @@ class Row:
     """Right units over all units, such as ``52/53``."""
     cells: tuple[Cell, ...]
     right_in: Mapping[str, str]
-    """Right units over all units of each family alone, such as ``5/6``, by the name of the family."""
+    """Right units over all units of each family alone, such as ``5/6``, by the name of the family; without families
+    that have no units."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +85,7 @@ class HeatMap:
 
 
 def heat_maps(groups: Sequence[Group], ranking: Ranking, names: Mapping[str, str]) -> list[HeatMap]:
-    """Return the map by scene; for more than ``MOST_SCENES`` scenes of several families, also the map by family first.
+    """Return the map by scene, after a map by family if more than ``MOST_SCENES`` scenes belong to several families.
 
     Args:
         groups: all groups of the study.
@@ -105,7 +107,7 @@ def heat_maps(groups: Sequence[Group], ranking: Ranking, names: Mapping[str, str
 
 
 def _right_in(families: Mapping[str, Sequence[Group]]) -> dict[SetUp, dict[str, str]]:
-    """Return right units over all units of each set-up in each family that it played, with a known answer."""
+    """Return right units over all units, by set-up and by the families with units that the set-up played."""
     right: dict[SetUp, dict[str, str]] = {}
     for name, members in families.items():
         ranking = rank(members)

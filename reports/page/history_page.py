@@ -20,7 +20,7 @@ UNEXPLAINED = "unexplained"
 
 
 def write_history_page(path: Path, history: History) -> None:
-    """Write the page of a history as one HTML file."""
+    """Write the page of a history as one HTML file, atomically."""
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(_TEMPLATES), autoescape=True, trim_blocks=True, lstrip_blocks=True
     )

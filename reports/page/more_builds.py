@@ -1,4 +1,4 @@
-"""Notes of the page on how sure its numbers are, with the command that plays more builds."""
+"""Notes of the page on the uncertainty of its numbers, with the command that plays more builds."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ from collections.abc import Collection, Sequence
 from reports.statistics.groups import ALONE, Group
 
 _MORE = 20
-"""Number of seeds that the notes propose: with 20 builds of a scene, the 95 % interval of a share of one half is about
+"""Number of seeds that the notes propose. With 20 builds of a scene, the 95 % interval of a share of one half is about
 0.44 wide."""
 
 
 def share_note(groups: Sequence[Group], in_pairs: bool, again: str) -> str:
-    """Return the note on the shares of each engine: of what they are, how sure they are, and how they become surer.
+    """Return the note on the shares of each engine: their base, their intervals, and the command for more builds.
 
     Args:
         groups: all groups of the study.
-        in_pairs: True if the shares are those of pairs.
-        again: the command that runs the study; backticks mark it in the note.
+        in_pairs: True for shares of pairs, False for shares of stacks.
+        again: the command that runs the study; backticks mark the command in the note.
     """
     seeds = max(len(group.draws) for group in groups)
     what = "pairs of stacks of which one must stand and one must fall" if in_pairs else "stacks with a known answer"
@@ -33,12 +33,12 @@ def share_note(groups: Sequence[Group], in_pairs: bool, again: str) -> str:
 
 
 def difference_note(groups: Sequence[Group], policies: Collection[str], again: str) -> str:
-    """Return the note that says which run fills the column “against none”, or makes its p smaller.
+    """Return the note on the column “against none”, with the command that plays enough builds for a significant p.
 
     Args:
         groups: all groups of the study.
         policies: the policies of the study.
-        again: the command that runs the study; backticks mark it in the note.
+        again: the command that runs the study; backticks mark the command in the note.
     """
     seeds = max(_MORE, 2 * max(len(group.draws) for group in groups))
     other = next((policy for policy in policies if policy != ALONE), "equilibrium")

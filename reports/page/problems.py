@@ -1,4 +1,4 @@
-"""The caveats that the page of a study shows first: failed, censored, missing and mixed trials."""
+"""The caveats that the page of a study shows first, such as failed, censored, missing and mixed trials."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from reports.tables.wording import quantity, some
 def problems(
     records: Sequence[TrialRecord], missing: Sequence[str], without_frames: Sequence[str], again: str
 ) -> list[str]:
-    """Return the caveats that the page shows first: failed, censored, missing and mixed trials.
+    """Return the caveats that the page shows first, such as failed, censored, missing and mixed trials.
 
     Args:
         records: records of the study.
         missing: ids of planned trials without a record.
         without_frames: ids of trials without complete frames.
-        again: the command that runs the study; backticks mark it in a caveat.
+        again: the command that runs the study; backticks mark the command in a caveat.
     """
     words: dict[Status, tuple[str, str]] = {
         "timeout": (

@@ -17,7 +17,10 @@ _UNCHANGED = {"size": 1.0, "mass": 1.0, "yaw": 0.0}
 
 
 def scene_name(trial: TrialRecord) -> str:
-    """Return the name of a trial's scene: its id, or for an own scene the file name and the varied parameters."""
+    """Return the name of a trial's scene: the scene's id or, for a user's own scene, a readable name.
+
+    The readable name contains the file name without suffix, and the parameters that differ from ``_UNCHANGED``.
+    """
     file = trial.parameters.get("file")
     if trial.scenario != OWN_SCENE or file is None:
         return trial.scene
@@ -30,7 +33,7 @@ def scene_name(trial: TrialRecord) -> str:
 
 
 def scene_names(trials: Sequence[TrialRecord]) -> dict[str, str]:
-    """Return the name of each scene, by id, in order of appearance; scenes with equal names have their ids as names."""
+    """Return the name of each scene, by id, in order of appearance; scenes of equal names have their ids as names."""
     names = {trial.scene: scene_name(trial) for trial in trials}
     shared = Counter(names.values())
     return {scene: name if shared[name] == 1 else scene for scene, name in names.items()}

@@ -9,7 +9,9 @@ from reports.statistics.ranking import Ranking
 
 
 def first_place(ranking: Ranking, engines: Mapping[str, Any]) -> dict[str, str] | None:
-    """Return the first place: engine, profile, policy, and the description of the profile with the link to its section.
+    """Return the set-up in the first place: engine, profile, policy, ``settings`` and ``link``.
+
+    ``settings`` describes the profile, and ``link`` is the id of the section of the profile.
 
     The result is None if no set-up has a place, or if the environment does not describe the profile.
     """

@@ -24,13 +24,13 @@ _PLAYER = (Path(__file__).parent / "templates" / "single.html").read_text(encodi
 
 
 def write_single(page: Path) -> Path:
-    """Write ``single.html`` beside a page: the page with its stills and replays inside; return its path.
+    """Write ``single.html`` beside a page, with the page's stills and replays inside, and return the new path.
 
     Args:
         page: ``index.html`` of a report.
 
     Raises:
-        OSError: if a still or replay of the page is unreadable.
+        OSError: if the page, or a still or replay of the page, is unreadable.
     """
     text = page.read_text(encoding="utf-8")
     text = re.sub(r'src="(stills/[^"]+)"', lambda found: f'src="{_still(page.parent / _path(found[1]))}"', text)

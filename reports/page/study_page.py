@@ -1,4 +1,4 @@
-"""The page of a study: one HTML file, made from the files of a results folder, which works offline."""
+"""The page of a study: an HTML file from the files of a results folder. The page works offline."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ _MOST_MESSAGES = 3
 _ROWS_SHOWN = 200
 """Number of rows of the comparison that the page shows at first, because more rows take seconds to lay out."""
 _PLACES_SHOWN = 12
-"""Number of places of the ranking that the page shows at first, because a reader takes one of the first."""
+"""Number of places of the ranking that the page shows at first, because most readers choose one of these places."""
 _RUN = ("uv", "run", "-m", "bench", "run")
 """Command that runs a study, without its arguments."""
 _SCRIPTS = ("theme.js", "landing.js", "comparison.js", "heat_map.js", "traces.js")
@@ -63,7 +63,7 @@ _MARKS = {"right": "✓", "wrong": "✗", "mixed": "~"}
 
 
 def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[str] = ()) -> Path:
-    """Write ``report/index.html``, its figures, and the comparison as tables for papers into a results folder.
+    """Write ``report/index.html``, its figures, and tables of the comparison and the pairs into a results folder.
 
     Args:
         folder: a results folder.
@@ -160,7 +160,10 @@ def _write_tables(
 
 
 def caption(folder: Path, records: Sequence[TrialRecord]) -> str:
-    """Return the caption of a table or page: numbers of trials and seeds, engine versions, dates and commit."""
+    """Return the caption of a table or page: numbers of trials and seeds, engine versions, dates and commit.
+
+    The dates and the commit are absent if the environment of the folder lacks them.
+    """
     seeds = len({record.seed for record in records})
     versions = sorted({f"{record.engine} {record.engine_version}" for record in records})
     environment = ResultsFolder(folder).environment
@@ -209,7 +212,10 @@ def _seeds(group: Group) -> int:
 
 
 def _sort_key(entry: Entry) -> str:
-    """Return the HTML attributes of an entry: a class for an empty entry, a sort key for a text that is no number."""
+    """Return the HTML attributes of an entry: a class for an empty entry, a sort key for a text other than a number.
+
+    The result is empty for a number, and for a text without a sort key.
+    """
     if entry.text == NOTHING:
         return Markup(' class="n"')
     if math.isnan(entry.sort) or re.fullmatch(r"[\d.]+", entry.text):
@@ -223,7 +229,7 @@ def _with_code(text: str) -> Markup:
 
 
 def _messages(row: ComparisonRow) -> list[str]:
-    """Return up to ``_MOST_MESSAGES`` distinct messages of a row's trials, and the number of further messages."""
+    """Return up to ``_MOST_MESSAGES`` distinct messages of a row's draws, and the number of further messages."""
     found = list(dict.fromkeys(trial.message for trial in row.group.draws if trial.message))
     more = len(found) - _MOST_MESSAGES
     return found[:_MOST_MESSAGES] + ([f"and {more} more"] if more > 0 else [])

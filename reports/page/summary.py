@@ -72,7 +72,7 @@ def _judged(one: PolicyScore) -> int:
 
 
 def _wrong(one: PolicyScore) -> int:
-    """Return the number of trials with an error, also of scenes without a partner."""
+    """Return the number of judged trials that are not right, also of scenes without a partner."""
     return 0 if one.trials is None else one.trials.n - one.trials.right_count
 
 
@@ -86,7 +86,10 @@ def _how(perfect: Sequence[PolicyScore]) -> str:
 
 
 def _holds_everything(one: PolicyScore) -> str:
-    """Return a warning if every stack stands under a policy, even if the stack must fall; else an empty string."""
+    """Return a warning for a policy that holds stacks regardless of theory; else an empty string.
+
+    Such a policy is right for every stack that must stand, wrong for every stack that must fall, and has false stands.
+    """
     holds_all = one.fall is not None and one.fall.value == 0 and one.stand is not None and one.stand.value == 1
     stood = one.trials is not None and one.trials.false_stand.value > 0
     return ", so it holds every stack that comes to rest" if holds_all and stood else ""

@@ -29,9 +29,9 @@ of a logarithmic axis."""
 
 
 def traces(folder: Path, groups: Sequence[Group]) -> tuple[list[dict[str, Any]], list[str]]:
-    """Return a trace per group, and the ids of trials whose frames are unreadable.
+    """Return a trace per group with frame times, and the ids of trials whose frames are unreadable.
 
-    The trace of a group shows its first trial with frame times.
+    The trace of a group shows the first of its draws with frame times.
 
     Args:
         folder: a results folder.
@@ -61,7 +61,7 @@ def _trace(folder: Path, trial: TrialRecord, most: int) -> dict[str, Any]:
     Returns:
         The fields of the trace:
 
-        - start and end [s];
+        - start and end of the frames after the first ``UNTIMED_FRAMES`` [s];
         - times at which the core unfroze bricks [s];
         - time of the fall [s], or None;
         - median and worst frame time of at most ``most`` bins, as ``_STEPS_A_DECADE`` times the decimal logarithm of

@@ -10,7 +10,10 @@ from pathlib import Path
 
 @contextmanager
 def atomic_file(path: Path) -> Iterator[Path]:
-    """Yield the path of a draft that replaces ``path`` at the end of the block; an error leaves ``path`` unchanged."""
+    """Yield the path of a draft in the same folder. At the end of the block, the draft replaces ``path``.
+
+    An error in the block leaves ``path`` unchanged and deletes the draft.
+    """
     draft = path.with_name(path.name + ".part")
     try:
         yield draft

@@ -9,17 +9,17 @@ from scenarios.model import Brick
 from scenarios.shapes import Polyhedron, Shape
 
 FIXED_FIELDS = ("size", "position", "quaternion")
-"""Fields of every fixed body."""
+"""Fields of a fixed body that are never absent."""
 
 
 def fixed_body(box: Mapping[str, Any]) -> Brick:
-    """Return a fixed body from the fields of ``fixed_fields``; its mass of 1 kg has no effect."""
+    """Return a fixed body from the fields of ``fixed_fields``, with a mass of 1 kg, which has no effect."""
     (length, width, height), (x, y, z), (w, i, j, k) = (box[name] for name in FIXED_FIELDS)
     return Brick((length, width, height), 1.0, (x, y, z), (w, i, j, k), shape=read_shape(box.get("shape", "box")))
 
 
 def read_shape(said: Any) -> Shape:
-    """Return a shape from its name, or from the vertices of a polyhedron."""
+    """Return a shape from its name, or from the vertices [m] of a polyhedron."""
     if isinstance(said, list):
         return Polyhedron(tuple((x, y, z) for x, y, z in said))
     shape: Shape = said

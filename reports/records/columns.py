@@ -1,6 +1,7 @@
-"""The data dictionary: name, unit, type and meaning of all columns of ``reports.load``.
+"""The data dictionary: name, unit, type and meaning of each column of the data frames of ``reports.load``.
 
-``uv run python -m reports.records.columns`` writes ``docs/columns.md`` from the docstrings of the fields.
+``uv run python -m reports.records.columns`` writes ``docs/columns.md`` from the docstrings of the fields and from
+``POSE_COLUMNS``.
 """
 
 from __future__ import annotations
@@ -23,13 +24,13 @@ PAGE = Path(__file__).parents[2] / "docs" / "columns.md"
 _UNITS = {"_mib": "MiB", "_m_s": "m/s", "_ms": "ms", "_m": "m", "_s": "s", "_deg": "deg"}
 """Units by the suffix of a column's name. The suffix ``_m_s`` comes before ``_s``, because the first match counts."""
 _TYPES = {"str": "text", "int64": "whole number", "Int64": "whole number", "float64": "number"}
-"""Plain names of data types, by the name of the type in pandas."""
+"""Plain names of the types of ``.trials``, by the name of the type in pandas."""
 _HEAD = """# Columns of the results
 
 `reports.load(DIR)` returns `.trials`, `.frames(trial)` and `.poses(trial)` as pandas data frames, of a results folder
-or of a folder in `docs/results`; `trials.csv` and `trials.parquet` have the columns of `.trials`. All units are SI,
-except for times of frames, which are in ms. A value that does not exist is missing (nan, NA or empty), never zero. This
-page is written by `uv run python -m reports.records.columns`.
+or of a folder in `docs/results`; `trials.csv` and `trials.parquet` have the columns of `.trials`. Most units
+are SI; times of frames are in ms, angles in deg, and memory is in MiB. A value that does not exist is missing (nan, NA
+or empty), never zero. `uv run python -m reports.records.columns` writes this page.
 """
 _CHOICES_OF_OUTCOME = {"outcome": "The outcome that theory demands: stand, fall, or study where theory is silent."}
 
@@ -77,14 +78,14 @@ def pose_columns() -> list[Column]:
 
 
 def unit_of(name: str) -> str:
-    """Return the unit in a column's name, at the end or before a percentile; empty if the name has no unit."""
+    """Return the unit that a column's name contains; empty if the name contains no unit."""
     if "_ms_" in name:
         return "ms"
     return next((unit for end, unit in _UNITS.items() if name.endswith(end)), "")
 
 
 def field_meanings(model: type) -> dict[str, str]:
-    """Return the docstring of each field of a class, joined into one line."""
+    """Return the docstring of each documented field of a class, in one line and with single backticks."""
     body = ast.parse(textwrap.dedent(inspect.getsource(model))).body[0]
     assert isinstance(body, ast.ClassDef)
     meanings = {}

@@ -44,14 +44,15 @@ def is_creeping(creep_m_s: float, error_m_s: float, limit_m_s: float) -> bool:
 
 
 def with_creep(record: TrialRecord, recording: Recording) -> TrialRecord:
-    """Add to a record of an earlier format the creep that its recording proves, and the resulting verdict.
+    """Return a record from before format 3 with the creep that its recording proves, and with the resulting verdict.
 
     A recording is accurate to about 0.05 mm in each coordinate. Therefore a recording proves only two cases:
 
-    - no creep, if all bricks were frozen during the last half of the watch;
-    - creep, if the creep of a brick exceeds the limit by more than the greatest error of that creep.
+    - zero creep, if all bricks were frozen during the last half of the watch;
+    - a creep above the limit, if the creep of a brick exceeds the limit by more than the greatest error of that creep.
 
-    In any other case the creep stays missing, and the verdict does not change.
+    In any other case, for a thinned recording and for a record since format 3, the record stays unchanged. The verdict
+    changes only from ``right`` to ``creeps``.
     """
     begin = _watch_half_s(record)
     if record.creep_m_s is not None or record.mean_motion_m_s is None or begin is None or recording.every != 1:
@@ -88,7 +89,8 @@ def _proven(recording: Recording, first: int) -> tuple[float, float, float] | No
 
     Returns:
         Creep [m/s], greatest error of the creep [m/s], and thickness [m] of one brick. The brick has the greatest ratio
-        of creep minus error to thickness. If all bricks are frozen: zero, zero, and the least thickness of a brick.
+        (creep - error) / thickness. If all bricks are frozen: zero, zero, and the least thickness of a brick. Bricks
+        that are removed before frame ``first`` do not count.
     """
     fastest: tuple[float, float, float] | None = None
     all_frozen = True

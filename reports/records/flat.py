@@ -28,10 +28,10 @@ _MISSING = (None, "")
 
 
 def flat_columns(of_format: int = FORMAT) -> list[str]:
-    """Return the columns of a flat row: the fields of a record, with ``expectation`` split into its fields.
+    """Return the columns of a flat row: the fields of a record, with a column for each field of ``expectation``.
 
     Args:
-        of_format: format of the records; earlier formats lack the columns that format 3 introduced.
+        of_format: format of the records; formats 1 and 2 lack the columns that format 3 introduced.
     """
     columns: list[str] = []
     for name in TrialRecord.model_fields:
@@ -72,4 +72,4 @@ def from_flat(row: Mapping[str, Any]) -> TrialRecord:
         return TrialRecord.model_validate(fields)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
-        raise ValueError(f"field '{'.'.join(map(str, first['loc']))}': {first['msg']}; correct its value") from error
+        raise ValueError(f"field '{'.'.join(map(str, first['loc']))}': {first['msg']}; correct this field") from error

@@ -1,4 +1,4 @@
-"""The results folder: its file names, and access to its content."""
+"""The results folder: names of its files, and access to its content."""
 
 from __future__ import annotations
 
@@ -39,10 +39,10 @@ REPORT = "report"
 
 
 class ResultsFolder:
-    """A folder with the results of a run, or with the published part of the results."""
+    """A folder with the results of a run, or with the published part of these results."""
 
     def __init__(self, path: Path) -> None:
-        """Keep the path of the folder; properties read the files on first use."""
+        """Keep the path of the folder, without reading its files."""
         self.path = path
 
     @property
@@ -77,11 +77,13 @@ class ResultsFolder:
     def records(self) -> list[TrialRecord]:
         """Records of all trials, in the order of the file.
 
+        Records of ``TRIALS`` from before format 3 receive the creep that their recordings prove.
+
         Raises:
-            RecordError: if the file of trials is missing, or a line of the file is not a record.
+            RecordError: if the file of trials is missing or unreadable, or contains a row that is not a record.
 
         Warns:
-            RecordWarning: if an interruption made the last line incomplete; the reader skips this line.
+            RecordWarning: if the last line of ``TRIALS`` is incomplete; the reader skips this line.
         """
         file = self.trials_file
         if file.name == TRIALS:
@@ -94,7 +96,10 @@ class ResultsFolder:
             ) from error
 
     def _with_creep(self, record: TrialRecord) -> TrialRecord:
-        """Add to a record from before format 3 the creep that its recording proves, if the recording exists."""
+        """Return a record with the creep that its recording proves; see ``creep.with_creep``.
+
+        A record without a readable recording stays unchanged.
+        """
         if record.mean_motion_m_s is None or not self.recording_file(record.trial).exists():
             return record
         try:
@@ -121,7 +126,7 @@ class ResultsFolder:
 
     @property
     def engines(self) -> Mapping[str, Any]:
-        """Descriptions of the engines, by name; empty if the environment describes no engine."""
+        """Descriptions of the engines in the environment, by name; empty if the environment contains none."""
         engines: Mapping[str, Any] = self.environment.get("engines", {})
         return engines
 
@@ -142,7 +147,11 @@ class ResultsFolder:
 
 
 def published_rows(file: Path) -> Iterator[Mapping[str, Any]]:
-    """Yield the rows of a published table of trials, from Parquet or CSV, without conversion to records."""
+    """Yield the rows of a published table of trials, without conversion to records.
+
+    Args:
+        file: a Parquet file (suffix ``.parquet``), or a CSV file (any other suffix).
+    """
     if file.suffix == ".parquet":
         with pq.ParquetFile(file) as table:
             yield from table.read().to_pylist()
@@ -152,7 +161,10 @@ def published_rows(file: Path) -> Iterator[Mapping[str, Any]]:
 
 
 def replay_name(trial: TrialRecord) -> str:
-    """Return the file name, without suffix, of the replay of a trial and of the same stack under other policies."""
+    """Return the file name, without suffix, of the replay of a trial.
+
+    Trials that differ only in policy or repeat have the same name, because one replay shows a stack under all policies.
+    """
     return f"{trial.scene}.{trial.engine}.{trial.profile}.s{trial.seed}"
 
 

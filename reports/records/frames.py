@@ -14,15 +14,15 @@ import pyarrow.parquet as pq
 from reports.records.atomic import atomic_file
 
 UNTIMED_FRAMES = 5
-"""Number of frames at the start of a trial that no timing includes, because they contain one-time costs: the engine
-builds its caches, the first brick lands, and kernels for the first contacts compile."""
+"""Number of frames at the start of a trial that no timing includes, because these frames contain one-time costs. The
+engine builds its caches, the first brick lands, and kernels for the first contacts compile."""
 
 
 class FrameRow(NamedTuple):
     """Counts and times of one frame.
 
-    In trials without an extension, the columns from ``contacts`` to ``woken_because`` and the column
-    ``core_instructions`` are null.
+    In trials without an extension, the columns from ``contacts`` to ``woken_because`` and the columns
+    ``core_instructions``, ``joined`` and ``parted`` are null.
     """
 
     frame: int
@@ -62,11 +62,12 @@ class FrameRow(NamedTuple):
     """Iterations of the engine's solver in the last step of the frame, for the island with the most iterations; null if
     the engine reports no iterations."""
     core_instructions: int | None = None
-    """Instructions of the core in user code, without port calls; null if the system cannot count instructions."""
+    """Instructions of the core in user code, without port calls; null if the system cannot count instructions, and for
+    a policy that joins bodies."""
     joined: int | None = None
-    """Number of pairs of bodies that were joined in this frame; null for a policy that joins nothing."""
+    """Number of pairs of bodies that the extension joined in this frame; null for a policy that joins nothing."""
     parted: int | None = None
-    """Number of pairs of bodies that were parted in this frame; null for a policy that joins nothing."""
+    """Number of pairs of bodies that the extension parted in this frame; null for a policy that joins nothing."""
 
 
 _COUNT, _REAL = pa.int32(), pa.float64()
@@ -108,7 +109,8 @@ def read_columns(path: Path, names: Sequence[str]) -> dict[str, npt.NDArray[np.f
 
     Raises:
         OSError: if the file is missing.
-        pyarrow.ArrowException: if the file is incomplete, or not a table of frames.
+        pyarrow.ArrowException: if the file is incomplete, or not a Parquet file.
+        KeyError: if the table lacks a column.
     """
     with pq.ParquetFile(path) as file:  # 30 times faster than pq.read_table
         table = file.read(list(names))
@@ -116,6 +118,11 @@ def read_columns(path: Path, names: Sequence[str]) -> dict[str, npt.NDArray[np.f
 
 
 def read_frames(path: Path) -> list[FrameRow]:
-    """Return the frames of a trial, in order."""
+    """Return the frames of a trial, in order; a column that the file lacks is None in each row.
+
+    Raises:
+        OSError: if the file is missing.
+        pyarrow.ArrowException: if the file is incomplete, or not a Parquet file.
+    """
     columns = pq.read_table(path, schema=SCHEMA).to_pydict()
     return [FrameRow(*values) for values in zip(*(columns[name] for name in FrameRow._fields), strict=True)]

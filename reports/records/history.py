@@ -14,7 +14,7 @@ FORMAT: Literal["stillstack-history-1"] = "stillstack-history-1"
 HISTORY = "history.json"
 """File name of a history in its folder."""
 Kind = Literal["levels", "collapse", "creep", "sink", "tilt", "time"]
-"""Kind of a figure, which decides what counts as a step (``reports.statistics.steps``)."""
+"""Kind of a figure. ``reports.statistics.steps`` has the least step of each kind."""
 
 
 class HistoryError(ValueError):
@@ -33,16 +33,16 @@ class Point(_Model):
     link: str = ""
     """Address of the version's changelog; empty if unknown."""
     message: str = ""
-    """Reason for which the version has no figures; empty if it has some."""
+    """Reason why the version has no figures; empty for a version with figures."""
     notes: list[str] = []
     """Circumstances that differ from other versions, such as missing knobs."""
 
 
 class Series(_Model):
-    """One figure of a study, for each version."""
+    """The values of one figure of a study over the versions."""
 
     name: str
-    """Name that identifies the figure, such as ``creep of four_stack-6``."""
+    """Unique name of the figure, such as ``creep of four_stack-6``."""
     kind: Kind
     unit: str
     values: list[float | None]
@@ -53,13 +53,13 @@ class Explanation(_Model):
     """A changelog line that explains a step."""
 
     version: str
-    """Version in which the step is."""
+    """First version with the new values of the step."""
     series: list[str] = []
-    """Names of the explained figures; empty for all figures with a step at this version."""
+    """Names of the explained figures; empty for all figures with a step at ``version``."""
     quote: str
     """Quoted line of the changelog."""
     of: str = ""
-    """Version whose section of the changelog contains the quote, if it is not ``version``."""
+    """Version whose section of the changelog contains the quote; empty for ``version`` itself."""
     link: str
     """Address of the changelog."""
 
@@ -73,9 +73,9 @@ class Step(_Model):
     previous: str
     """Last version with the old values."""
     before: float
-    """Median of the values before the step, back to the step before it."""
+    """Median of the values from the previous step, or from the first version, up to this step."""
     after: float
-    """Median of the values from the step on, up to the next step."""
+    """Median of the values from this step up to the next step, or to the last version."""
     explanation: Explanation | None = None
 
 
@@ -100,7 +100,7 @@ def read_history(path: Path) -> History:
     """Return the history in a file.
 
     Raises:
-        HistoryError: if the file is unreadable, or is not a history.
+        HistoryError: if the file is missing or unreadable, or is not a history.
     """
     try:
         return History.model_validate_json(path.read_bytes())
@@ -113,5 +113,5 @@ def read_history(path: Path) -> History:
 
 
 def write_history(path: Path, history: History) -> None:
-    """Write a history atomically."""
+    """Write a history atomically; the folder must exist."""
     write_atomic(path, (history.model_dump_json(indent=1) + "\n").encode())

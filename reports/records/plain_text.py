@@ -1,4 +1,4 @@
-"""Remove terminal control sequences from the text of engines: colours, cursor moves, titles, control characters."""
+"""Removal of terminal control sequences from the text of engines: colours, cursor moves, titles and links."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _ESCAPE = re.compile(
 def plain_text(text: str) -> str:
     """Remove terminal control sequences, and replace every other unprintable character by U+FFFD.
 
-    Tabs stay, and every line break becomes a line feed.
+    Tabs and line feeds stay. Each CR LF or CR becomes a line feed.
     """
     lines = _ESCAPE.sub("", text).replace("\r\n", "\n").replace("\r", "\n")
     return "".join(

@@ -1,7 +1,7 @@
 """The pose trace of a trial: every change of a pose, to the last bit, to find where two trials begin to differ.
 
-A recording (``recording``) rounds poses, because it is for viewers. A trace is exact, and therefore ends after
-``MOST_ROWS`` changes.
+A recording (``recording``) rounds poses, because viewers cannot see small motions. A trace is exact and large, and
+therefore ends with the frame that completes ``MOST_ROWS`` changes.
 """
 
 from __future__ import annotations
@@ -22,23 +22,23 @@ from reports.records.atomic import write_atomic
 FloatArray = npt.NDArray[np.float64]
 
 MOST_ROWS = 6000
-"""Number of rows after which a trace ends: 0.25 MB in a file, 16 kB in a baseline file. Twelve awake bricks have
-so many in 8 s."""
+"""Number of rows after which a trace ends: 0.25 MB in a file, 16 kB in a baseline file. Twelve awake bricks reach this
+number in 8 s at 60 frames per second."""
 _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 _ROW = np.dtype([("body", "<i4"), ("step", "<i4"), ("digest", "<u2")])
 """A row of a packed trace; ``step`` is the difference to the frame of the row before."""
 _FRAMES_BYTES = 4
 """Size of the number of frames, at the start of a packed trace [bytes]."""
 _MOST_UNPACKED = _FRAMES_BYTES + 2 * MOST_ROWS * _ROW.itemsize
-"""Greatest size of an unpacked trace [bytes], so that a small malicious text cannot fill the memory. Twice the rows
-are allowed, because the last frame of a trace is complete."""
+"""Greatest size of an unpacked trace [bytes], so that a small malicious text cannot fill the memory. The limit allows
+``2 * MOST_ROWS`` rows, because the last frame of a trace is complete."""
 _FACTORS = np.array([0x9E3779B97F4A7C15 * (2 * k + 1) % 2**64 for k in range(len(_POSE))], np.uint64)
 """Odd factors of ``_digests``, one for each component of a pose."""
 _MIXER = np.uint64(0xD6E8FEB86659FD93)
 
 
 class PoseTraceError(ValueError):
-    """An unreadable trace; the message names the file and the fix."""
+    """An unreadable trace; the message names the fix and, except for a packed trace, the file."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,13 +49,13 @@ class PoseTrace:
     """
 
     frames: int
-    """Number of frames that the trace covers."""
+    """Number of frames that the trace covers, counted from frame 0."""
     frame: npt.NDArray[np.int32]
     """Frame of the change, shape (n,)."""
     body: npt.NDArray[np.int32]
     """Id of the body, shape (n,)."""
     digest: npt.NDArray[np.uint16]
-    """Digest of the new pose, shape (n,). One of 65,536 changes goes unseen by it, until the next frame."""
+    """Digest of the new pose, shape (n,). Two different poses have equal digests with a probability of 1 in 65,536."""
     pose: FloatArray | None = None
     """New pose (x, y, z [m], qw, qx, qy, qz), shape (n, 7), world frame; None in a trace of a baseline file."""
 
@@ -84,7 +84,7 @@ class Parting:
 
 
 class PoseTracer:
-    """Recorder of a trace, frame by frame."""
+    """Recorder of a pose trace, frame by frame."""
 
     def __init__(self) -> None:
         """Start a trace without frames."""
@@ -124,7 +124,10 @@ class PoseTracer:
 
 
 def parting(base: PoseTrace, head: PoseTrace) -> Parting | None:
-    """Return the first difference of two traces; None if the traces agree in all frames that both cover."""
+    """Return the first difference of two traces by frame, body and digest.
+
+    The result is None if the traces agree in all frames that both cover.
+    """
     covered = min(base.frames, head.frames)
     before, now = _keys(base, covered), _keys(head, covered)
     different = np.setxor1d(before, now, assume_unique=True)
@@ -221,7 +224,7 @@ def _keys(trace: PoseTrace, covered: int) -> npt.NDArray[np.void]:
 
 
 def _pose_at(trace: PoseTrace, body: int, frame: int) -> FloatArray | None:
-    """Return the pose of a body in a frame, shape (7,), NaN before the body exists; None if the trace has no poses."""
+    """Return the pose of a body in a frame, shape (7,): NaN if the body is absent; None if the trace has no poses."""
     if trace.pose is None:
         return None
     rows = np.flatnonzero((trace.body == body) & (trace.frame <= frame))

@@ -2,8 +2,8 @@
 
 A row gives the pose of a brick from the row's frame until the brick's next row. The resolution is 0.01 mm for positions
 and 1e-4 for components of quaternions. A motion within the dead band (0.05 mm, about 0.05 degrees) counts as rest. The
-file sorts rows by brick, then by frame. It stores columns as differences, so that a standing stack of 100 planks takes
-about 0.1 MB.
+file sorts rows by brick, then by frame. The file stores columns as differences, so that a standing stack of 100 planks
+takes about 0.1 MB.
 """
 
 from __future__ import annotations
@@ -52,8 +52,8 @@ WORLD = World()
 
 
 _TURN = 1e-3
-"""Change of the gravity vector above which a recording keeps the new gravity, as a ratio of the length of the change to
-the length of the vector. The value stands for a turn of gravity by 0.06 deg."""
+"""Least relative change of the gravity vector with which a recording keeps the new gravity. The change is the length of
+the difference over the length of the new vector: 0.001 for a turn of gravity by 0.06 deg."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,14 +101,14 @@ class Recording:
     every: int = 1
     """Interval of the kept frames: 1, or ``THINNED`` for a thinned recording."""
     fixed: tuple[Brick, ...] = ()
-    """Boxes that never move."""
+    """Bodies that never move."""
     physics: Physics | None = None
     """Masses, friction and gravity; None in recordings of version 0.1.0."""
     shapes: Mapping[int, Shape] = field(default_factory=dict)
-    """Shape of each body that is no box, by its id."""
+    """Shape of each body that is not a box, by its id."""
 
     def shape(self, body: int) -> Shape:
-        """Return the shape of a body."""
+        """Return the shape of a body from its id."""
         return self.shapes.get(body, "box")
 
     def thinned(self) -> Recording:
@@ -131,7 +131,7 @@ class Recorder:
 
         Args:
             frame_s: simulated time of a frame [s].
-            world: friction, gravity at the start, and the boxes that never move.
+            world: friction, gravity at the start [m/s2], and the bodies that never move.
         """
         self._frame_s = frame_s
         self._world = world
@@ -163,8 +163,8 @@ class Recorder:
             position: centres of the bodies [m], shape (n, 3), world frame.
             quaternion: orientations of the bodies (w, x, y, z), shape (n, 4), world frame.
             frozen: ids of the bodies that the core or the engine has frozen.
-            bricks: brick of each body, by id.
-            gravity: gravity in this frame [m/s2]; None without a change of gravity.
+            bricks: brick of each body in the world, by id.
+            gravity: gravity in this frame [m/s2], shape (3,), world frame; None for unchanged gravity.
         """
         self._frames += 1
         if gravity is not None and math.dist(gravity, self._gravity[-1][1]) > _TURN * math.hypot(*gravity):
@@ -226,7 +226,10 @@ class Recorder:
 
 
 def write_recording(path: Path, recording: Recording) -> None:
-    """Write a recording atomically; thin a recording whose file would exceed ``MOST_BYTES``. The folder must exist."""
+    """Write a recording atomically, and thin a recording whose file would exceed ``MOST_BYTES``.
+
+    The folder must exist. A thinned recording is not thinned again.
+    """
     content = _packed(recording)
     if len(content) > MOST_BYTES and recording.every == 1:
         content = _packed(recording.thinned())

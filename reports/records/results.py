@@ -19,7 +19,7 @@ from reports.records.trial import TrialRecord
 
 POSE_COLUMNS: Mapping[str, tuple[str, str]] = {
     "body": ("whole number", "Id of the body, unique within the trial."),
-    "frame": ("whole number", "First frame of the row, which holds until the body's next row."),
+    "frame": ("whole number", "First frame of the row. The row is valid until the body's next row."),
     "time_s": ("number", "Simulated time at the end of that frame."),
     "x_m": ("number", "Centre of the body in the world, to 0.01 mm."),
     "y_m": ("number", "Centre of the body in the world, to 0.01 mm."),
@@ -41,7 +41,7 @@ _EXPECTATION_TYPES = {
 
 
 class Results:
-    """The results of a study as data frames; the class reads each file on first use."""
+    """The results of a study as data frames."""
 
     def __init__(self, folder: Path) -> None:
         """Keep the path of a results folder, or of a published folder in ``docs/results``."""
@@ -49,22 +49,28 @@ class Results:
 
     @cached_property
     def trials(self) -> pd.DataFrame:
-        """Table with one row per trial; ``docs/columns.md`` lists the columns, and ``parameters`` contains mappings.
+        """Table with one row per trial; the column ``parameters`` contains mappings.
+
+        ``docs/columns.md`` lists the columns.
 
         Raises:
             RecordError: if the folder contains no readable file of trials.
+
+        Warns:
+            RecordWarning: if the last line of ``trials.jsonl`` is incomplete; the reader skips this line.
         """
         trials = trials_frame(self._folder.records)
         trials["parameters"] = trials["parameters"].map(json.loads).astype(object)
         return trials
 
     def frames(self, trial: str) -> pd.DataFrame:
-        """Return the frames of a trial: counts and times [ms], one row per frame.
+        """Return the frames of a trial, one row per frame.
 
         ``docs/columns.md`` lists the columns.
 
         Raises:
             OSError: if the folder contains no frames of the trial.
+            pyarrow.ArrowException: if the file of the frames is incomplete.
         """
         return pd.read_parquet(self._folder.frames_file(trial))
 
@@ -121,7 +127,7 @@ def _type(annotation: Any) -> str:
 
 
 def write_trials_csv(path: Path, records: Sequence[TrialRecord]) -> None:
-    """Write the flat records as CSV, one line per trial; missing values are empty."""
+    """Write the flat records as CSV, with a header and one line per trial; missing values are empty."""
     rows = pd.DataFrame([to_flat(record) for record in records], columns=flat_columns(), dtype=object)
     rows.to_csv(path, index=False, lineterminator="\n")
 

@@ -44,7 +44,7 @@ FORMAT: Literal[3] = 3
 
 
 class RecordError(ValueError):
-    """An unreadable file of records; the message names the file, the line and the fix."""
+    """An unreadable file of records; the message names the file, the fix and, for a faulty line of JSON, the line."""
 
 
 class RecordWarning(UserWarning):
@@ -70,7 +70,7 @@ class TrialRecord(BaseModel):
     profile: str
     """Profile of the engine; ``NAME@knob=value`` is a profile with a varied knob."""
     unit_scale: float | None = None
-    """Length units of the engine per metre; null if the engine was never opened."""
+    """Length units of the engine per metre; null if the trial ended before its first frame could start."""
     scenario: str
     """Name of the scenario."""
     scene: str
@@ -87,26 +87,26 @@ class TrialRecord(BaseModel):
     """Status at the end of the trial: ``completed``, ``collapsed``, ``timeout``, ``diverged``, ``crashed``, ``error``,
     ``out_of_memory`` or ``unsupported``."""
     message: str = ""
-    """Reason for the end of the trial; empty if it completed."""
+    """Reason for the end of the trial; empty for a completed trial."""
     levels_placed: int = 0
     """Number of levels of which every brick had been released."""
     height_levels: int = 0
-    """Highest level that ever stood intact, with all levels below it, after its bricks had had time to land."""
+    """Highest level that ever stood intact, with all levels below it, after its bricks had had time to land. For a
+    poured pile: the number of poured bricks."""
     height_m: float | None = None
     """Height [m] of the top of the highest intact level, measured when this level was last seen intact before the next
-    level started."""
+    level started. For a poured pile: the height of its highest corner in the last frame."""
     collapse_level: int | None = None
     """Number of levels placed when the collapse was first seen; null without a collapse (censored)."""
     sink_m: float | None = None
-    """Mean depth [m] of the bricks of the highest intact level below their ideal height, at the time of
-    ``height_m``."""
+    """Mean depth [m] of the bricks of the highest intact level below their planned height, at the time of ``height_m``.
+    For a poured pile: the decrease of the mean height of all bricks during the watch."""
     drift_m: float | None = None
-    """Greatest horizontal distance [m] of a brick from its release position when the highest level was last seen
-    intact."""
+    """Greatest horizontal distance [m] of a brick from its release position, at the time of ``height_m``."""
     creep_m_s: float | None = None
     """Creep [m/s]: slope of the centre's position over the last half of the watch, for the brick that is fastest
-    relative to its thickness. Null if the stack did not stand throughout, and for trials from before format 3 unless
-    their recordings prove the creep."""
+    relative to its thickness. Null if the stack fell, if this half has fewer than 20 frames, and for trials from before
+    format 3 unless their recordings prove the creep."""
     frame_ms_p50: float | None = None
     """Median time [ms] of a frame: engine, read-back, core and port calls, but not the bridge to an engine in a
     separate process. The median is over the frames that ``timed_frames`` counts."""
@@ -144,23 +144,26 @@ class TrialRecord(BaseModel):
     verdict: Verdict
     """Comparison of the outcome with theory.
     ``right``: the outcome agrees with theory.
-    ``false_stand``: a stack that must fall stood, or fell too late.
-    ``false_collapse``: a stack that must stand fell, or a stack that must fall fell too early.
+    ``false_stand``: a stack that must fall stood, or fell too late or at too high a level.
+    ``false_collapse``: a stack that must stand fell, or a stack that must fall fell too early or at too low a level.
     ``creeps``: a stack that must stand stood, but the whole interval of a brick's creep exceeds the limit.
-    ``failed``: a stack that must fall only sank, or an error, a crash or a divergence ended the trial.
+    ``failed``: a stack that must fall only sank, or an error, a crash, a lack of memory or a divergence ended the
+    trial.
     ``undecided``: the time limit stopped the trial.
-    ``none``: theory demands no outcome, or the engine does not support the scene."""
+    ``none``: theory demands no outcome, the engine does not support the scene, or a stack that must stand is in neutral
+    balance."""
     environment: str
     """Digest of the environment of the run (``environment.json``)."""
     collapse_kind: CollapseKind | None = None
-    """Kind of the collapse; ``sink`` only if nothing toppled, slid or dropped in the second after the collapse was
-    first seen."""
+    """Kind of the collapse; ``sink`` only if nothing toppled, slid or dropped until 1 s after the collapse was first
+    seen. For bricks thicker than a plank, this time is longer."""
     collapse_s: float | None = None
     """Simulated time [s] at which the collapse was first seen."""
     frame_ratio_level: int | None = None
-    """Level of the stack at which ``frame_ratio`` was measured."""
+    """Level of the stack for which the trial measured, or could not measure, ``frame_ratio``."""
     frame_ratio_message: str = ""
-    """Reason for a missing ``frame_ratio``; empty if the study did not request the ratio, or the ratio was measured."""
+    """Reason why the trial could not measure ``frame_ratio``; empty if the trial measured the ratio, or did not try to
+    measure the ratio."""
     levels_planned: int
     """Number of levels of the whole scene."""
     simulated_s: float = 0.0
@@ -168,16 +171,17 @@ class TrialRecord(BaseModel):
     wall_s: float | None = None
     """Wall time [s] of the trial, including work outside timed frames."""
     timed_frames: int | None = None
-    """Number of timed frames: all frames after the first five, up to a collapse."""
+    """Number of timed frames: all frames after the first five, up to a collapse; null without timed frames."""
     calibration_ms: float | None = None
-    """Median time [ms] of a fixed calculation just before and just after the frames; its spread over the trials of a
-    run shows variations of the machine's speed."""
+    """Median time [ms] of a fixed calculation just before and just after the frames. The spread of this time over the
+    trials of a run shows variations of the machine's speed. Null if an exception or a crash ended the trial."""
     core: int | None = None
-    """Index of the processor core to which the harness pinned the trial; null if the trial was not pinned."""
+    """Index of the only processor core that the trial could use; null if the trial could use several cores, or if an
+    exception or a crash ended the trial."""
     pair: str = ""
     """Id shared by the two scenes of a pair; empty for a scene without a partner."""
     rest_s: float | None = None
-    """Time [s] after the last action at which a brick of a poured pile was last seen moving; null if a brick still
+    """Time [s] after the last action at which a brick of a poured pile was last seen moving. Null if a brick still
     moved at the end, and for scenes without a pile."""
     repose_deg: float | None = None
     """Angle of repose [deg] of a poured pile: the slope of the cone that has the median height and the median radius of
@@ -187,7 +191,7 @@ class TrialRecord(BaseModel):
     live_last: int | None = None
     """Number of live bricks in the last frame; null without an extension."""
     adopted: int | None = None
-    """Number of bodies of prebuilt stacks that the core froze before the first step after their placement; null without
+    """Number of bodies of prebuilt stacks that the core froze before the first step after their placement. Null without
     an extension, and for a scene without a prebuilt stack."""
     watch_s: float | None = None
     """Simulated time [s] for which the trial watches the scene after its last action."""
@@ -203,51 +207,56 @@ class TrialRecord(BaseModel):
     sinking_m_s: float | None = None
     """Fastest vertical creep [m/s] of any centre, downward or upward."""
     mean_motion_m_s: float | None = None
-    """Fastest mean motion [m/s] of a brick over the whole watch, including the settling of the stack; only in trials
-    from before format 3, which called it creep."""
+    """Fastest mean motion [m/s] of a brick over the whole watch, including the settling of the stack. Null in trials
+    since format 3; earlier formats called this motion creep."""
     host: str | None = None
-    """Name of the machine; timings of different machines are not comparable."""
+    """Name of the machine; timings of different machines are not comparable. Null if an exception or a crash
+    ended the trial."""
     bridge_ms: float | None = None
     """Mean time [ms] per frame of the transfer to an engine in a separate process and back, which no other time
     includes. Null for an engine in the trial's own process."""
     onset_deg: float | None = None
-    """Slope [deg] of tilting ground at which a brick had moved by 1 % of its thickness or turned by half a degree; null
+    """Slope [deg] of tilting ground at which a brick had moved by 1 % of its thickness or turned by half a degree. Null
     if no brick moved or turned by that much, and if no ground tilts."""
     own_limit_deg: float | None = None
-    """Least slope [deg] at which exact statics finds no equilibrium with the points and normals of the engine's own
-    contacts; null with an extension, and if no ground tilts."""
+    """Greatest slope [deg] at which exact statics finds an equilibrium with the points and normals of the engine's own
+    contacts. Null with an extension, if no ground tilts, and if statics gives the same answer at 0 and 45 deg."""
     ridge_deg: float | None = None
     """Greatest angle [deg] between the engine's contact normal at a ridge, where two leaning planks meet, and the
-    bisector of the normals that are possible there; null if no contact at a ridge was seen."""
+    bisector of the normals that are possible there. Null with an extension, if no ground tilts, and if no contact at a
+    ridge was seen."""
     asleep_s: float | None = None
     """Simulated time [s] in which a brick that must move by theory kept its pose to the last bit; null if no brick must
     move."""
     moved_after_s: float | None = None
-    """Simulated time [s] after which all bricks that must move had covered the distance that theory demands; null if a
-    brick had not covered its distance."""
+    """Simulated time [s] after which all bricks that must move had covered the distance that theory demands. Null if a
+    brick had not covered its distance, and if no brick must move."""
     carried_share: float | None = None
-    """Ratio of the weight that the ground carries, by the engine's contact forces, to the weight of all bricks: mean
-    over the frames in which the finished stack is watched. Null if the trial has no audit of forces, or the engine
-    reports no forces."""
+    """Ratio of the weight that the ground carries, by the engine's contact forces, to the weight of all bricks. The
+    value is the mean over the frames of the watch of the finished stack. Null if the trial has no audit of forces, or
+    the engine reports no forces."""
     cone_excess: float | None = None
     """Amount by which the friction force of the worst contact exceeds mu times its normal force, in units of the mean
-    weight of a brick: mean over the frames of ``carried_share``. Null if ``carried_share`` is null."""
+    weight of a brick. The value is the mean over the frames of ``carried_share``. Null if ``carried_share`` is null."""
     complementarity: float | None = None
-    """Greatest natural residual abs(min(f / w, s / h)) of a contact, with its normal force f, the mean weight w of a
-    brick, its separation s (negative for an overlap) and the least thickness h of a brick: mean over the frames of
-    ``carried_share``. Null if ``carried_share`` is null, and if the engine reports no separations."""
+    """Greatest natural residual abs(min(f / w, s / h)) of a contact. A contact has the normal force f and the
+    separation s (negative for an overlap); w is the mean weight and h the least thickness of a brick. The value is the
+    mean over the frames of ``carried_share``. Null if ``carried_share`` is null, and if the engine reports no
+    separations."""
 
     memory_mib: float | None = None
-    """Peak of the resident memory [MiB] of the trial's process while the scene was played, minus the resident memory
-    just before the engine was opened. The difference includes the engine, the extension, the data recorded by the
-    harness, the code pages used for the first time and, if the trial compiles a kernel, the compiler. Null if the
-    system does not report the peak, and for an engine in a separate process."""
+    """Peak of the resident memory [MiB] of the trial's process from the opening of the engine to the last frame, minus
+    the resident memory just before that opening. The difference includes the engine, the extension, the data recorded
+    by the harness, and code pages used for the first time. If the trial compiles a kernel, the compiler counts too.
+    Null if the system does not report the peak, for an engine in a separate process, and if an exception or a crash
+    ended the trial."""
     solver_iterations: float | None = None
     """Mean number of iterations of the engine's solver in the last step of a frame, for the island with the most
-    iterations; null if the engine reports no iterations. The frames are the frames of ``frame_ms_p50``."""
+    iterations. Null if the engine reports no iterations. The frames are the frames of ``frame_ms_p50``."""
     core_instructions: float | None = None
-    """Mean number of instructions per frame of the core in user code, without port calls; null without an extension,
-    and if the system does not count instructions. The frames are the frames of ``frame_ms_p50``."""
+    """Mean number of instructions per frame of the core in user code, without port calls. Null without an extension,
+    for a policy that joins bodies, and if the system does not count instructions. The frames are the frames of
+    ``frame_ms_p50``."""
 
     @model_validator(mode="before")
     @classmethod
@@ -267,7 +276,10 @@ class TrialRecord(BaseModel):
 
     @property
     def creep_is_uncertain(self) -> bool:
-        """True if the creep exceeds its limit in a stack that counts as still, because its interval reaches below."""
+        """True if the verdict is ``right`` although the creep exceeds its limit.
+
+        The interval of such a creep includes the limit.
+        """
         measured, limit = self.creep_m_s, self.creep_limit_m_s
         return self.verdict == "right" and measured is not None and limit is not None and measured > limit
 
@@ -302,10 +314,10 @@ def read_records(path: Path) -> list[TrialRecord]:
     """Return all records of a file, in the order of the file.
 
     Raises:
-        RecordError: if the file is missing, or contains a line that is not a record.
+        RecordError: if the file is missing or unreadable, or contains a line that is not a record.
 
     Warns:
-        RecordWarning: if an interruption made the last line incomplete; the reader skips this line.
+        RecordWarning: if the last line is incomplete; the reader skips this line.
     """
     try:
         return list(_records(path))
@@ -326,7 +338,10 @@ def _records(path: Path) -> Iterator[TrialRecord]:
                 continue
             if _is_torn(raw):
                 warnings.warn(
-                    f"{path}:{number}: the last line is incomplete; the reader skips it", RecordWarning, stacklevel=4
+                    f"{path}:{number}: the last line is incomplete; the reader skips it; "
+                    "run the study again to repeat this trial",
+                    RecordWarning,
+                    stacklevel=4,
                 )
                 return
             try:

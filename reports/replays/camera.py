@@ -22,7 +22,7 @@ class Camera:
     """Angle of the direction from the centre to the camera above the horizontal [deg], from -90 to 90. At 90, the top
     of the picture points opposite to the direction that ``azimuth`` gives."""
     distance: float | None = None
-    """Distance from the centre [m]; None for the least distance that shows the whole visible space."""
+    """Distance from the centre [m]; None for 1.1 times the least distance that shows the whole visible space."""
 
 
 CAMERAS: Mapping[str, Camera] = {
@@ -44,7 +44,7 @@ def parse_camera(text: str) -> Camera:
 
     Raises:
         UnknownNameError: if a name is unknown.
-        ExportError: if a value is not a number in its range.
+        ExportError: if a value is not a number in its range, or if a part after the first has no value.
     """
     camera = CAMERAS["corner"]
     for number, part in enumerate(text.split(",")):
@@ -55,7 +55,7 @@ def parse_camera(text: str) -> Camera:
             camera = look_up("camera", name, CAMERAS)
         else:
             raise ExportError(
-                f"each part of the camera '{text}' after the name must be one of "
+                f"each part of the camera '{text}' after the first must be one of "
                 f"{', '.join(f'{key}=NUMBER' for key in _FIELDS)}, got '{part}': change --camera"
             )
     return camera

@@ -16,16 +16,16 @@ COLOURS = {"live": (224, 160, 48), "frozen": (91, 159, 201), "fallen": (168, 66,
 """Colours by state, as in a replay: red, green and blue from 0 to 255. The colours also differ in lightness, so that
 colour-blind readers can distinguish the states."""
 FIXED_COLOUR = (150, 154, 158)
-"""Colour of boxes that never move."""
+"""Colour of bodies that never move: red, green and blue from 0 to 255."""
 _TINT = 0.08
-"""Greatest relative change of a brick's lightness, so that neighbours can be distinguished."""
+"""Greatest relative change of a brick's lightness, so that viewers can distinguish neighbours."""
 
 
 def visible_space(recordings: Sequence[Recording], room: float = 0.0) -> tuple[FloatArray, FloatArray] | None:
     """Return the corners [m], each of shape (3,), of the visible space of recordings; None for an empty space.
 
     Args:
-        recordings: the recordings. The space contains their fixed boxes and all bricks at their first positions.
+        recordings: the recordings. The space contains their fixed bodies, and all bricks at their first poses.
         room: greatest growth of the space on each horizontal side for bricks that fell, as a share of the longer
             horizontal edge of the space. The picture leaves out bricks that rolled farther, because in a larger space
             the stack would look too small.
@@ -65,17 +65,17 @@ def view_of(
         timeline: the recording.
         times: simulated times [s], one for each frame.
         space: corners of the visible space [m].
-        pixels: width and height of the pictures.
+        pixels: width and height of the pictures [pixels].
         camera: the camera.
-        colours: function that returns the colour of each brick, shape (n, 3), at a time [s]; None for the colours of
-            the states.
+        colours: function that returns red, green and blue of each brick, shape (n, 3), at a time [s]; None for the
+            colours of the states.
     """
     poses, fixed = [timeline.at(time) for time in times], timeline.recording.fixed
     tints = 1 + _TINT * np.random.default_rng(0).uniform(-1, 1, len(timeline.bodies))
     boxes = {name: np.array([getattr(box, name) for box in fixed]) for name in ("size", "position", "quaternion")}
 
     def with_fixed(moving: Sequence[np.ndarray], still: np.ndarray, width: int) -> np.ndarray:
-        """Append the rows of the fixed boxes to the rows of the bricks in each frame."""
+        """Append the rows of the fixed bodies to the rows of the bricks in each frame."""
         rows = still.reshape(-1, width)
         return np.array([np.concatenate([values.reshape(-1, width), rows]) for values in moving])
 

@@ -36,19 +36,19 @@ def encoded(
     Args:
         path: file of the video, whose suffix selects the format.
         pictures: the frames, in mode RGB.
-        pixels: width and height of the frames.
+        pixels: width and height of the frames [pixels].
         fps: frames per second.
         colours: colours of the bricks, at most ten, for the palette of a GIF.
 
     Raises:
-        ExportError: if the package of PyAV is missing, or the format does not allow the suffix, the size or the frame
-            rate.
+        ExportError: if the package of PyAV is missing, if the format does not allow the suffix, the size or the frame
+            rate, or from ``pictures``.
     """
     suffix = path.suffix.lower()
     if suffix not in FORMATS:
         raise ExportError(f"{path}: the suffix of a video must be .mp4 or .gif: give an output file with such a suffix")
     if fps < 1:
-        raise ExportError(f"--fps must be a whole number of at least 1 frame per second, got {fps}: give --fps 30")
+        raise ExportError(f"--fps must be a whole number of at least 1 frame per second, got {fps}: give --fps 25")
     try:
         import av  # an optional package
     except ImportError as error:

@@ -21,7 +21,7 @@ _INCHES, _TITLE_INCHES = 2.1, 0.3
 
 
 def gallery_figure(stills: Path, groups: Sequence[Group], engine: str, profile: str, scenes: Sequence[str]) -> Figure:
-    """Draw the stills of one engine and profile: a row per scene, a column per policy.
+    """Draw the stills of the first draws of one engine and profile: a row per scene, a column per policy.
 
     Args:
         stills: folder of the stills.
@@ -32,6 +32,7 @@ def gallery_figure(stills: Path, groups: Sequence[Group], engine: str, profile: 
 
     Raises:
         FileNotFoundError: if a still is missing.
+        KeyError: if a scene has no trials of the engine and profile under one of their policies.
     """
     by_key = {group.key: group for group in groups}
     policies = ordered_policies(key.policy for key in by_key if key[1:3] == (engine, profile))

@@ -1,8 +1,8 @@
 """Conversion of a recording to an animated glTF 2.0 file (GLB), for viewers and 3-D programs.
 
 Each brick is a node with an animated pose. The node has a child mesh for each state of the brick. The animation shows
-one of these meshes at a time, and scales all other meshes to 0. The mesh of all boxes is a unit cube, whose scale is
-the size of the brick; other shapes have meshes in metres. Fixed bodies are static nodes. The root node turns the z axis
+one of these meshes at a time, and scales all other meshes to 0. The mesh of a box is a unit cube, whose scale is the
+size of the brick. Other shapes have meshes in metres. Fixed bodies are static nodes. The root node turns the z axis
 into the y axis, because the y axis of glTF points up.
 """
 
@@ -25,7 +25,7 @@ COLOURS = {"live": (0.74, 0.35, 0.03), "frozen": (0.10, 0.35, 0.58)}
 """Colours by state: linear red, green and blue from 0 to 1. The animation does not show removed bricks."""
 _FIXED = "fixed"
 _MATERIALS = {**COLOURS, _FIXED: (0.30, 0.32, 0.34)}
-"""Colours by state, and the colour of fixed boxes."""
+"""Colours by state, and the colour of fixed bodies."""
 _FLOAT, _SHORT = 5126, 5123
 """Component types of glTF."""
 _VERTICES, _INDICES = 34962, 34963
@@ -218,7 +218,7 @@ def _materials() -> list[dict[str, Any]]:
 
 
 def _packed(content: dict[str, Any], binary: bytes) -> bytes:
-    """Return the GLB container: a header, a JSON chunk and a binary chunk, each padded to four bytes."""
+    """Return the GLB container: a header, and chunks of JSON and binary data, padded to multiples of four bytes."""
     text = json.dumps(content, separators=(",", ":")).encode()
     text += b" " * (-len(text) % _ALIGNMENT)
     binary += bytes(-len(binary) % _ALIGNMENT)

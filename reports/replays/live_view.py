@@ -1,6 +1,6 @@
 """A live view of a running trial in the viewer of Rerun (https://rerun.io), which shows logged 3-D data.
 
-The package ``rerun-sdk`` sends the poses and contains the viewer. It is optional, because it takes 0.5 GB.
+The package ``rerun-sdk`` sends the poses and contains the viewer. The package is optional, because it takes 0.5 GB.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def require_rerun() -> Any:
 
 
 class LiveView:
-    """Sender of the bricks of a running trial to an open viewer of Rerun; each frame sends only the changed bricks."""
+    """Sender of the changed bricks of a running trial to an open viewer of Rerun, frame by frame."""
 
     def __init__(self, trial: str, policy: str, fixed: Sequence[Brick], address: str) -> None:
         """Connect to a viewer.
@@ -49,9 +49,12 @@ class LiveView:
         Args:
             trial: id of the trial, which names the recording in the viewer.
             policy: policy of the trial.
-            fixed: boxes that never move.
+            fixed: bodies that never move.
             address: address of the viewer, such as ``rerun+http://127.0.0.1:9876/proxy``. A viewer that does not answer
                 loses the poses, and the trial continues.
+
+        Raises:
+            ExportError: if the package of Rerun is missing.
         """
         self._rerun = require_rerun()
         self._policy = policy
@@ -70,7 +73,7 @@ class LiveView:
         frozen: Collection[int],
         bricks: Mapping[int, Brick],
     ) -> None:
-        """Send one frame; see ``reports.records.recording.Recorder.see``.
+        """Send the bricks that changed since the previous frame; a box shows a brick of any shape.
 
         Args:
             time: simulated time [s].
@@ -78,7 +81,7 @@ class LiveView:
             position: centres of the bodies [m], shape (n, 3), world frame.
             quaternion: orientations of the bodies (w, x, y, z), shape (n, 4), world frame.
             frozen: ids of the frozen bodies.
-            bricks: brick of each body, by id.
+            bricks: brick of each body in the world, by id.
         """
         rerun, stream = self._rerun, self._stream
         stream.set_time("time", duration=time)
@@ -99,14 +102,18 @@ class LiveView:
             del self._latest[body]
 
     def close(self) -> None:
-        """Send the remaining poses, and disconnect."""
+        """Send the remaining poses for at most ``_PATIENCE_S``, and disconnect."""
         self._stream.flush(timeout_sec=_PATIENCE_S)
         self._stream.disconnect()
 
 
 @contextmanager
 def live_view(trial: str, policy: str, fixed: Sequence[Brick], address: str) -> Iterator[LiveView]:
-    """Yield a view with a connection that lasts until the end of the block; see ``LiveView``."""
+    """Yield a ``LiveView`` whose connection lasts until the end of the block.
+
+    Raises:
+        ExportError: if the package of Rerun is missing.
+    """
     view = LiveView(trial, policy, fixed, address)
     try:
         yield view
@@ -115,7 +122,9 @@ def live_view(trial: str, policy: str, fixed: Sequence[Brick], address: str) -> 
 
 
 def open_viewer(port: int) -> str:
-    """Open Rerun's viewer, which runs until the user closes its window, and return its address.
+    """Open Rerun's viewer, and return the address of the viewer.
+
+    The viewer runs until the user closes its window.
 
     Args:
         port: port on which the viewer listens.
@@ -128,7 +137,7 @@ def open_viewer(port: int) -> str:
 
 
 def log_fixed(rerun: Any, stream: Any, policy: str, fixed: Sequence[Brick]) -> None:
-    """Send the axes of the world and the boxes that never move."""
+    """Send the axes of the world, and the bodies that never move, as boxes."""
     stream.log(policy, rerun.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     if fixed:
         turns = np.array([box.quaternion for box in fixed])[:, XYZW]

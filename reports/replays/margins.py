@@ -30,7 +30,7 @@ QUANTITIES: tuple[Quantity, ...] = ("load", "tilt")
 """Kinds of margin that pictures and replays show: additional load, and tilt of gravity."""
 
 MOST_INSTANTS = 60
-"""Greatest number of instants at which margins are computed, because each takes about 10 ms for each brick."""
+"""Greatest number of instants of ``settled_times``, because the margins at an instant take about 10 ms per brick."""
 _ROUNDING_S = 1e-9
 """Bound of the rounding error of times [s]."""
 _MOST_TOUCH = 0.2
@@ -61,12 +61,12 @@ class Margins:
     times: list[float]
     """Simulated times of the instants [s], ascending, t entries."""
     load_n: FloatArray
-    """Greatest additional load [N], shape (t, n); NaN for bricks that are not in the world or that the host moves,
-    and for all bricks where some overlap so far that their contacts are unknown."""
+    """Greatest additional load [N], shape (t, n). NaN for bricks that are not in the world or that the host moves. At
+    an instant at which bricks overlap so far that their contacts are unknown, NaN for all bricks."""
     tilt_deg: FloatArray
     """Greatest tilt of gravity [deg], shape (t, n); NaN where ``load_n`` is NaN."""
     weight_n: FloatArray
-    """Weight of each brick [N], shape (n,)."""
+    """Weight of each brick in the gravity of the start [N], shape (n,); NaN for bricks that the host moves."""
 
     def classes(self, quantity: Quantity) -> npt.NDArray[np.int64]:
         """Return the index into ``MARGIN_COLOURS`` of each margin, shape (t, n); -1 for NaN."""
@@ -89,7 +89,16 @@ def legend(quantity: Quantity) -> tuple[str, list[str]]:
 
 
 def margins_of(recording: Recording, times: Sequence[float] | None = None, *, trial: str = "this recording") -> Margins:
-    """Return the margins of a recording; ``trial`` names the recording in errors. See ``margins_beside``."""
+    """Return the margins of a recording.
+
+    Args:
+        recording: a recording with masses, friction and gravity.
+        times: instants [s]; None for ``settled_times``.
+        trial: name of the recording in errors.
+
+    Raises:
+        ExportError: see ``margins_beside``.
+    """
     return margins_beside({trial: recording}, times)[0]
 
 
@@ -115,7 +124,7 @@ def margins_beside(recordings: Mapping[str, Recording], times: Sequence[float] |
 
 
 def _margins(trial: str, recording: Recording, times: Sequence[float] | None) -> tuple[Margins, str]:
-    """Return the margins of a recording, and the reason if no instant has margins."""
+    """Return the margins of a recording, and the reason if no instant has margins, else an empty text."""
     if recording.physics is None:
         raise ExportError(
             f"{trial}: margins need a recording with masses, got a recording of an earlier version: run the trial "
@@ -145,7 +154,10 @@ def _margins(trial: str, recording: Recording, times: Sequence[float] | None) ->
 
 
 def settled_times(recording: Recording) -> list[float]:
-    """Return the instants [s] just before a brick appears or leaves, and the end; at most ``MOST_INSTANTS``."""
+    """Return the instants [s] just before a brick appears or leaves, and the end.
+
+    From more than ``MOST_INSTANTS`` instants, the function chooses this number evenly.
+    """
     first = np.diff(recording.body, prepend=-1) != 0
     changes = np.unique(recording.frame[first | (recording.state == REMOVED)])
     frames = np.unique(np.append(changes[changes > 0] - 1, recording.frames - 1))
@@ -204,7 +216,10 @@ def _touching(bricks: Sequence[Brick], walls: Sequence[Brick], time: float) -> l
 
 
 def write_margins(path: Path, margins: Margins) -> None:
-    """Write margins as CSV: time [s], brick, load margin [N] (``inf`` without a limit) and tilt margin [deg]."""
+    """Write margins as CSV: time [s], brick, load margin [N] (``inf`` without a limit) and tilt margin [deg].
+
+    Bricks without a margin (NaN) have no row.
+    """
     content = io.StringIO()
     writer = csv.writer(content, lineterminator="\n")
     writer.writerow(("time_s", "brick", "load_margin_n", "tilt_margin_deg"))

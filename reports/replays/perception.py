@@ -1,4 +1,4 @@
-"""Measure the visible effects of frozen bricks in a recording, as figures in pixels, without a user study.
+"""Measurement of the visible effects of frozen bricks in a recording, as figures in pixels, without a user study.
 
     uv run python -m reports.replays.perception DIR TRIAL [--without TRIAL] [--due SECONDS] [--kept-from SECONDS]
 
@@ -52,7 +52,7 @@ SUNK = 0.5
 KEPT_S = 5.0
 """Time [s] for which a brick must stay within its thickness to count as kept."""
 MOST_CHANGES = 60
-"""Greatest number of changes of the frozen set that exact statics judges, because each takes about 10 ms a brick."""
+"""Greatest number of changes of the frozen set that the module examines, because each takes about 10 ms a brick."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,11 +64,12 @@ class Perceived:
     events: int
     """Number of freezes and unfreezes, without bricks that appear frozen."""
     hover_m: float
-    """Greatest gap below a frozen brick [m]."""
+    """Greatest gap below a frozen brick [m]; 0 without frozen bricks."""
     unsupported_s: float | None
     """Brick-seconds frozen without an equilibrium; None if the recording has no masses."""
     late_s: float | None
-    """Time from the due instant to the first visible motion, near [s]; None without an instant or a motion."""
+    """Time from the due instant until a brick has moved by ``VISIBLE_PX`` of the near camera [s]; None without an
+    instant or a motion."""
     near_px_per_m: float
     """Pixels per metre of the near camera."""
 
@@ -89,6 +90,9 @@ def perceive(recording: Recording, without: Recording | None = None, due_s: floa
         recording: the run with the extension.
         without: the run of the same scene without the extension; its bricks have the same ids. None without this run.
         due_s: instant from which the stack must fall [s]; None for a stack that must stand.
+
+    Raises:
+        ExportError: if bricks overlap so far at all examined instants that their contacts are unknown.
     """
     timeline = Timeline(recording)
     scale = LINES / _extent(timeline)
@@ -187,7 +191,11 @@ def _unsupported_s(timeline: Timeline, changes: list[int]) -> float:
 
 
 def _late_s(timeline: Timeline, due_s: float, visible: float) -> float | None:
-    """Return the time [s] from ``due_s`` until a brick present at ``due_s`` has moved by ``visible`` [m]."""
+    """Return the time [s] from ``due_s`` until a brick has moved by ``visible`` [m]; None if no brick moves that far.
+
+    The function measures motion from the poses one frame before ``due_s``, of bricks that are in the world then and
+    later.
+    """
     recording = timeline.recording
     due = round(due_s / recording.frame_s)
     before = timeline.at((due - 1) * recording.frame_s)

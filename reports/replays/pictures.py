@@ -24,8 +24,7 @@ from reports.replays.sheet import Key, Sheet
 from reports.replays.timeline import Timeline
 
 _MOST_PIXELS = 8192
-"""Greatest edge of a picture [pixels], because the renderer draws pictures at twice their size, and its limit is 16384
-pixels."""
+"""Greatest edge of a picture [pixels], because the renderer draws at twice the size, up to 16384 pixels."""
 _ROOM = 0.5
 """Greatest growth of the visible space on each horizontal side for fallen bricks, as a share of the longer horizontal
 edge of the space."""
@@ -80,13 +79,18 @@ def write_still(
     Args:
         path: file of the picture, whose suffix selects the format.
         trials: trials to show, at least one.
-        pixels: width and height of the picture.
-        at: simulated time [s]; None for the end.
+        pixels: width and height of the picture [pixels].
+        at: simulated time [s]; None for the end of the longest trial.
         camera: the camera.
         colour: quantity that the colours of bricks show.
 
     Raises:
-        ExportError: if all trials end before ``at``, the picture is too small, or the renderer fails.
+        ExportError: in these cases:
+
+            - ``at`` is negative, or later than the end of the longest trial;
+            - the suffix is not of a picture format, or the picture is too small;
+            - the trials have no bricks, or no margins for a colour by margin;
+            - the machine has no renderer, or the renderer fails.
     """
     ends = [Timeline(trial.recording).end_s for trial in trials]
     time = max(ends) if at is None else at
@@ -117,11 +121,16 @@ def write_video(
         on_frame: function that receives the number of finished frames and the number of all frames.
 
     Raises:
-        ExportError: if the format does not allow the suffix, the size or the frame rate, if the speed is not positive,
-            or if the renderer fails.
+        ExportError: in these cases:
+
+            - the format does not allow the suffix, the size or the frame rate;
+            - the speed is not positive and finite, or the picture is too small;
+            - the trials have no bricks, or no margins for a colour by margin;
+            - the package of PyAV is missing;
+            - the machine has no renderer, or the renderer fails.
     """
     if not (math.isfinite(film.speed) and film.speed > 0):
-        raise ExportError(f"--speed must be above 0, got {film.speed:g}: give a factor such as 1 or 4")
+        raise ExportError(f"--speed must be a finite number above 0, got {film.speed:g}: give a factor such as 1 or 4")
     end = max(Timeline(trial.recording).end_s for trial in trials)
     count = max(2, math.ceil(end * film.fps / film.speed))
     times = np.minimum(np.arange(1, count + 1) * film.speed / film.fps, end).tolist()
@@ -174,7 +183,7 @@ def _frames(
 
 
 def margin_colours(margins: Margins, quantity: Quantity) -> Callable[[float], ByteArray]:
-    """Return the function that gives the colour of each brick, shape (n, 3), at a time [s]."""
+    """Return the function that gives red, green and blue of each brick, shape (n, 3), at a time [s]."""
     colours = np.array([*MARGIN_COLOURS, FIXED_COLOUR], np.uint8)  # the last for bodies without a margin
     classes = margins.classes(quantity)
     return lambda time: colours[classes[margins.row(time)]]

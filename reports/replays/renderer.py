@@ -1,4 +1,4 @@
-"""Draw views in a separate process, because VTK ends its process if the machine has no renderer."""
+"""Drawing of views in a separate process, because VTK ends its process if the machine has no renderer."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from scenarios.surfaces import surface_of
 _ROOT = Path(__file__).parents[2]
 """Folder of the checkout."""
 _LONGEST_S = 900
-"""Time limit for pictures [s]. A video has no limit, because the user chooses the length of a video."""
+"""Time limit of ``draw_pictures`` [s]. A video has no limit, because the user chooses the length of a video."""
 _CHANNELS = 4
 
 ByteArray = npt.NDArray[np.uint8]
@@ -33,10 +33,10 @@ ByteArray = npt.NDArray[np.uint8]
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """The poses and colours of n bricks in f frames, seen by one camera."""
+    """The poses and colours of n bricks, fixed bodies included, in f frames, seen by one camera."""
 
     pixels: tuple[int, int]
-    """Width and height of the pictures."""
+    """Width and height of the pictures [pixels]."""
     low: FloatArray
     """Lower corner of the visible space [m], shape (3,)."""
     high: FloatArray
@@ -48,7 +48,7 @@ class View:
     quaternion: FloatArray
     """Orientations (w, x, y, z), shape (f, n, 4), world frame, of any length."""
     colour: ByteArray
-    """Red, green and blue, shape (f, n, 3)."""
+    """Red, green and blue from 0 to 255, shape (f, n, 3)."""
     shown: BoolArray
     """True for each brick in the picture, shape (f, n)."""
     camera: Camera = CAMERAS["corner"]
@@ -56,11 +56,11 @@ class View:
     """Shapes of the bricks; empty if all are boxes."""
 
     def order(self, poses: Path, paths: Sequence[Path] = ()) -> dict[str, Any]:
-        """Write the arrays to the file ``poses``, and return the order (the renderer's input) for this view.
+        """Write the arrays of this view to a file, and return the order (the renderer's input) for this view.
 
         Args:
             poses: file of the arrays.
-            paths: files of the pictures, one for each frame; without them the pictures go to standard output.
+            paths: files of the pictures, one for each frame; without paths, the pictures go to standard output.
         """
         names = ("sizes", "position", "quaternion", "colour", "shown")
         np.savez(poses, **{name: getattr(self, name) for name in names})
@@ -143,6 +143,9 @@ def _command(folder: Path, orders: Sequence[dict[str, Any]]) -> list[str]:
 
 def _reason(returncode: int, errors: str) -> str:
     if returncode < 0:
-        return "this machine has no renderer: apt-get install libegl1, or libosmesa6"
+        return (
+            f"the renderer ended by signal {-returncode}, mostly because the machine has no renderer: "
+            "apt-get install libegl1, or libosmesa6"
+        )
     last = errors.strip().splitlines()[-1] if errors.strip() else f"the renderer ended with status {returncode}"
-    return last + (": uv sync" if "No module named" in last else "")
+    return last + (": install the package with 'uv sync'" if "No module named" in last else "")

@@ -1,4 +1,4 @@
-"""Draw bricks off screen with PyVista: ``python -m reports.replays.rendering ORDER`` draws the views in a file.
+"""Off-screen drawing of bricks with PyVista: ``python -m reports.replays.rendering ORDER`` draws the views in a file.
 
 ``reports.replays.renderer`` starts this module as a separate process, because VTK ends its process if the machine has
 no renderer.
@@ -33,7 +33,7 @@ _TO_SUN = np.array([-0.5, -0.9, 1.6])
 """Direction toward the sun, shape (3,), world frame, not normalised."""
 _SUNS, _SUN_RADIUS = 8, 0.12
 """Number of points on the disc of the sun, and ratio of the disc's radius to the sun's distance. The picture shows the
-average of the shadows of these points, because its edges are soft; PyVista's own shadows are hard and grey."""
+average of the shadows of these points, because this average has soft edges. PyVista's own shadows are hard and grey."""
 _DARKEST, _BLUR = 110, 1 / 210
 """Opacity of the full shadow (0 to 255), and radius of its blur as a share of the edge of its picture."""
 _SHADOW_SHARE, _LEAST_SHADOW, _MOST_SHADOW = 1.5, 320, 2048
@@ -43,7 +43,7 @@ _EDGES = {"show_edges": True, "edge_color": "#1b2730", "edge_opacity": 0.45, "li
 
 @dataclass(frozen=True)
 class _Solid:
-    """A brick that is no box, in the world frame."""
+    """A brick of another shape than a box, in the world frame."""
 
     corners: FloatArray
     """Corners [m], shape (n, 3)."""
@@ -167,7 +167,7 @@ def render(view: Mapping[str, Any]) -> Iterator[Image.Image]:
 
 
 def _in_world(corners: FloatArray, position: FloatArray, quaternion: FloatArray) -> FloatArray:
-    """Return the corners (n, 3) [m] of a brick at its pose."""
+    """Return the corners (n, 3) [m] of a brick at its pose, in the world frame."""
     return corners @ _turns(quaternion[None])[:, :, 0].T + position
 
 
@@ -197,7 +197,7 @@ def _turns(quaternions: FloatArray) -> FloatArray:
 
 
 def _mesh_of(solids: Sequence[_Solid]) -> pv.PolyData:
-    """Return bricks that are no boxes as one mesh."""
+    """Return bricks of other shapes than boxes as one mesh."""
     firsts = np.cumsum([0, *(len(solid.corners) for solid in solids)])
     faces = [
         number
@@ -213,11 +213,11 @@ def _mesh_of(solids: Sequence[_Solid]) -> pv.PolyData:
 
 
 def _mesh(corners: FloatArray, colours: ByteArray) -> pv.PolyData:
-    """Return all bricks as one mesh, because one draw call per brick would take seconds.
+    """Return all boxes as one mesh, because one draw call per box would take seconds.
 
     Args:
-        corners: corners of the bricks [m], shape (n, 8, 3).
-        colours: red, green and blue of each brick, shape (n, 3).
+        corners: corners of the boxes [m], shape (n, 8, 3), world frame.
+        colours: red, green and blue of each box, from 0 to 255, shape (n, 3).
     """
     first = 8 * np.arange(len(corners))[:, None, None]
     faces = np.concatenate([np.full((len(corners), 6, 1), 4), first + _FACES], axis=2)
@@ -245,7 +245,7 @@ def _ground(
 
 
 def _shadow(faces: Sequence[FloatArray], edge: int) -> npt.NDArray[np.uint8]:
-    """Return the opacity of the shadow on the ground, seen from above, shape (edge, edge).
+    """Return the opacity (0 to 255) of the shadow on the ground, seen from above, shape (edge, edge).
 
     Args:
         faces: corners (k, 3) [pixels] of each face of the bricks.

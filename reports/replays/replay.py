@@ -50,13 +50,13 @@ class Replayed:
 
 
 def write_replay(folder: Path, name: str, trials: Sequence[Replayed], margins: Sequence[Margins] | None = None) -> Path:
-    """Write the replay ``NAME.html``, and the script of the page, into a folder; return the path of the page.
+    """Write the replay ``NAME.html`` and its script into a folder, and return the path of the page.
 
     Args:
         folder: folder of the replays, created if necessary.
         name: file name of the page, without its suffix.
         trials: trials to show side by side at the same simulated time, at least one.
-        margins: margins of each trial, which the colours of the bricks may show; None without margins.
+        margins: margins of each trial, which the page can show as colours; None for a page without margins.
     """
     folder.mkdir(parents=True, exist_ok=True)
     script = resources.files(_THREE[0]).joinpath(_THREE[1])
@@ -116,7 +116,7 @@ def _surface(shape: Shape, size: Vector) -> list[list[float]]:
 
 
 def _margins(margins: Margins) -> dict[str, Any]:
-    """Return the instants [s], and for each margin the class of every brick at each instant."""
+    """Return the instants [s], and for each kind of margin the class of every brick at each instant."""
     return {"times": margins.times, **{quantity: margins.classes(quantity).tolist() for quantity in QUANTITIES}}
 
 

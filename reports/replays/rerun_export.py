@@ -2,7 +2,8 @@
 
 Each brick is an entity ``POLICY/bricks/ID`` on the timeline ``time`` (simulated seconds). Rerun shows each value until
 the next value of its entity. A recording follows the same rule: a row holds until the next row of its body. The package
-``rerun-sdk`` writes the file and contains the viewer. It is optional, because it takes 0.5 GB.
+``rerun-sdk`` writes the file and contains the viewer. The package is optional, because it takes 0.5 GB. A box shows a
+brick of any shape.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ _PAPER, _LINE, _INK, _SOFT = (243, 242, 238), (213, 212, 207), (31, 35, 40), (87
 _TEXT_SHARE = 0.032
 """Height of the text as a share of the height of the picture."""
 _LEAST_TEXT, _LEAST_EDGE = 9, 64
-"""Least height of the text, and least edge of a picture [pixels]."""
+"""Least height of the text, and least width of a panel and height of a picture [pixels]."""
 _HEAD, _FOOT = 2.9, 1.9
 """Heights of the titles and of the last line, in heights of the text."""
 
@@ -44,7 +44,7 @@ class Sheet:
         """Draw titles, caption and legend.
 
         Args:
-            pixels: width and height of the whole picture.
+            pixels: width and height of the whole picture [pixels].
             titles: title and second line of each panel, from left to right.
             caption: text of the last line, on the left.
             key: the legend, below the panels.
@@ -96,7 +96,7 @@ class Sheet:
         """Return the whole picture at one time.
 
         Args:
-            panels: pictures of the panels, RGBA, each of shape (height, width, 4).
+            panels: pictures of the panels, from left to right, RGBA, each of shape (height, width, 4).
             time: simulated time [s].
         """
         picture = self._blank.copy()
@@ -108,7 +108,10 @@ class Sheet:
 
 
 def _shortened(text: str, room: float, font: Font) -> str:
-    """Return ``text``; replace the end of a text wider than ``room`` [pixels] by an ellipsis."""
+    """Return ``text``, with an ellipsis in place of the end of a text that is wider than ``room`` [pixels].
+
+    The result is empty if no letter has room.
+    """
     if font.getlength(text) <= room:
         return text
     while text and font.getlength(text + "...") > room:

@@ -31,7 +31,7 @@ def first_stacks(folder: Path, records: Sequence[TrialRecord]) -> list[list[Tria
 
 
 def read_stack(folder: Path, records: Sequence[TrialRecord]) -> list[Replayed]:
-    """Return each trial that has a complete recording, with this recording."""
+    """Return the trials with complete recordings, in the order of ``records``, with their recordings."""
     found = []
     for record in records:
         try:
@@ -42,7 +42,7 @@ def read_stack(folder: Path, records: Sequence[TrialRecord]) -> list[Replayed]:
 
 
 def write_replays(folder: Path, stacks: Sequence[Sequence[TrialRecord]]) -> None:
-    """Write the replays of stacks into the report of a results folder."""
+    """Write the replays of stacks into the report of a results folder; skip stacks without a complete recording."""
     for those in stacks:
         trials = read_stack(folder, those)
         if trials:
@@ -50,7 +50,9 @@ def write_replays(folder: Path, stacks: Sequence[Sequence[TrialRecord]]) -> None
 
 
 def write_stack_replay(folder: Path, trials: Sequence[Replayed], *, with_margins: bool = False) -> Path:
-    """Write the replay of one stack into the report, with policies in their usual order; return its path.
+    """Write the replay of one stack into the report, and return the path of the replay.
+
+    Policies are in their usual order.
 
     Args:
         folder: a results folder.
@@ -58,7 +60,7 @@ def write_stack_replay(folder: Path, trials: Sequence[Replayed], *, with_margins
         with_margins: True to add the margins of the bricks, which takes seconds to minutes.
 
     Raises:
-        ExportError: if a recording has no margins.
+        ExportError: if ``with_margins`` is True and ``margins_beside`` fails.
     """
     policies = ordered_policies(trial.record.policy for trial in trials)
     trials = sorted(trials, key=lambda trial: policies.index(trial.record.policy))
@@ -77,7 +79,7 @@ def draw_stills(folder: Path, stacks: Sequence[Sequence[TrialRecord]], *, howeve
         however_many: False to draw no stills if more than ``MOST_STILLS`` stills are missing or too old.
 
     Returns:
-        Message with the reason for missing stills; empty without missing stills.
+        Message with the reason if the function could not draw the stills; else empty.
     """
     stills, changed = folder / "report" / "stills", ResultsFolder(folder).trials_file.stat().st_mtime
     waiting = [those for those in stacks if any(_is_older(still_of(stills, one), changed) for one in those)]
@@ -96,5 +98,5 @@ def _is_older(path: Path, time: float) -> bool:
 
 
 def stack_of(record: TrialRecord) -> tuple[object, ...]:
-    """Return the properties that all trials of a stack share."""
+    """Return the properties that all trials of a stack share: scene, engine, profile, seed and repeat."""
     return record.scene, record.engine, record.profile, record.seed, record.repeat

@@ -13,8 +13,8 @@ from reports.replays.replay import Replayed
 from reports.replays.timeline import Timeline
 
 PIXELS = 240
-"""Edge length of a still [pixels], chosen so that a still is sharp at the 120 to 160 pixels of a page and takes about
-0.3 s to draw."""
+"""Edge length of a still [pixels]. A page shows a still at 120 to 160 pixels, so that 240 pixels are sharp there. A
+still takes about 0.3 s to draw."""
 
 
 class StillsError(RuntimeError):
@@ -22,7 +22,7 @@ class StillsError(RuntimeError):
 
 
 def write_stills(folder: Path, stacks: Iterable[Sequence[Replayed]], pixels: int = PIXELS) -> None:
-    """Draw the still of every trial.
+    """Draw the still of every trial; skip lists of trials that have neither bricks nor fixed bodies.
 
     Args:
         folder: folder of the stills, created if necessary.

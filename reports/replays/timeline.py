@@ -26,7 +26,7 @@ class Poses:
     present: BoolArray
     """True for each brick in the world, shape (n,)."""
     frozen: BoolArray
-    """True for each frozen brick, shape (n,)."""
+    """True for each frozen brick, shape (n,); for a brick that is not yet in the world, its first state counts."""
     fallen: BoolArray
     """True for each brick whose distance from its first position exceeds its least edge length, shape (n,)."""
 
@@ -47,14 +47,14 @@ class Timeline:
         self._end = np.append(self._begin[1:], len(recording.body))[: len(self._begin)]
         """Row after the last row of each brick, shape (n,)."""
         self.bodies: npt.NDArray[np.int64] = recording.body[self._begin].astype(np.int64)
-        """Ids of the n bricks, rising, shape (n,)."""
+        """Ids of the n bricks, ascending, shape (n,)."""
         self.sizes: FloatArray = np.array([recording.sizes[body] for body in self.bodies.tolist()]).reshape(-1, 3)
         """Edge lengths [m], shape (n, 3)."""
         self.first: FloatArray = np.asarray(recording.position[self._begin] * LENGTH_STEP, np.float64)
-        """First positions [m], shape (n, 3)."""
+        """First positions [m], shape (n, 3), world frame."""
         turn = recording.quaternion[self._begin].astype(np.float64)
         self.first_turn: FloatArray = turn / np.linalg.norm(turn, axis=1, keepdims=True)
-        """First orientations (w, x, y, z), shape (n, 4), unit length."""
+        """First orientations (w, x, y, z), shape (n, 4), world frame, unit length."""
         span = np.repeat(np.arange(len(self._begin)), self._end - self._begin)
         self._keys = span * (recording.frames + 1) + recording.frame
 

@@ -1,1 +1,1 @@
-"""Statistics of trials: groups, success rates, intervals and survival curves."""
+"""Statistics of trials: groups, success rates, intervals, rankings, survival curves and steps."""

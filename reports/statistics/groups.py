@@ -16,7 +16,7 @@ from scenarios.model import Expectation
 
 Item = TypeVar("Item")
 ALONE = "none"
-"""Name of the policy without an extension, with which the reports compare all other policies."""
+"""Name of the policy that freezes nothing: the engine alone. Reports compare all other policies with this policy."""
 LEADING_POLICIES = (ALONE, "native", "raised", "at_rest", "paper")
 """Policies that lists begin with, in this order; other policies follow in order of appearance."""
 
@@ -49,7 +49,7 @@ class Group:
 
     @property
     def expectation(self) -> Expectation:
-        """Expectation of the first trial, which has no placement noise if the group includes seed 0."""
+        """Expectation of the first trial in the order of the records."""
         return self.trials[0].expectation
 
     @property
@@ -98,7 +98,9 @@ class Group:
         return [value for trial in self.trials if (value := getattr(trial, field)) is not None]
 
     def estimate(self, field: str) -> Estimate | None:
-        """Return the median of a field over seeds; None without values, and for times of several machines.
+        """Return the median of a field over seeds, with its interval.
+
+        The result is None without values, and for times of several machines.
 
         Times of several machines have no common median, because they are not comparable.
         """
@@ -109,7 +111,10 @@ class Group:
 
 
 def groups_of(records: Iterable[TrialRecord]) -> list[Group]:
-    """Return the groups of trials, with scenes and engines in order of appearance and policies in their usual order."""
+    """Return the groups of trials, in the order of their keys.
+
+    Scenes, engines and profiles are in order of appearance; policies are in their usual order.
+    """
     groups = {GroupKey(*key): trials for key, trials in grouped(records, *GroupKey._fields).items()}
     first = [_ranks(keys) for keys in zip(*groups, strict=True)][:3]
     policies = _ranks(ordered_policies(key.policy for key in groups))
@@ -119,7 +124,7 @@ def groups_of(records: Iterable[TrialRecord]) -> list[Group]:
 
 
 def grouped(items: Iterable[Item], *fields: str) -> dict[tuple[Any, ...], list[Item]]:
-    """Group items by the values of fields; return the items by these values, in order of appearance.
+    """Return items by the values of their fields, in order of appearance.
 
     Args:
         items: trials, groups of trials, or rows of a table.
@@ -139,7 +144,10 @@ def ordered_policies(names: Iterable[str]) -> list[str]:
 
 
 def compare_groups(group: Group, other: Group) -> PairedTest | None:
-    """Return the test of two groups on the same stacks, paired by seed; None if the groups share no seed."""
+    """Return the test of two groups on the same stacks, paired by seed.
+
+    The result is None if no seed has a lifetime in both groups.
+    """
     shared = [seed for seed in group.lifetimes if seed in other.lifetimes]
     return compare_pairs([(group.lifetimes[seed], other.lifetimes[seed]) for seed in shared]) if shared else None
 
@@ -149,8 +157,8 @@ def _ranks(names: Sequence[str]) -> dict[str, int]:
 
 
 def judged_trials(trials: Sequence[TrialRecord]) -> list[TrialRecord]:
-    """Return the decided trials whose scene has a known answer.
+    """Return the trials with a verdict other than ``none`` and ``undecided``.
 
-    A trial that its time limit stopped does not count as decided, because a slow trial is not necessarily wrong.
+    A trial that its time limit stopped is undecided, because a slow trial is not necessarily wrong.
     """
     return [trial for trial in trials if trial.is_judged]

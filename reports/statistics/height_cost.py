@@ -1,6 +1,6 @@
 """The cost of height: levels that stood against milliseconds per frame, for engines with several profiles.
 
-The frame time of a trial is the median over the frames in which the highest level that stood was the top level.
+The frame time of a trial is the median over the timed frames in which the highest level that stood was the top level.
 Therefore the time of a stack that fell early describes the standing stack, not the fallen bricks.
 """
 
@@ -23,7 +23,7 @@ profiles."""
 
 @dataclass(frozen=True, slots=True)
 class CostPoint:
-    """Levels and frame time of a group of trials, each as the median over its trials."""
+    """Median levels and median frame time of a group, over its trials with a frame time."""
 
     scene: str
     engine: str
@@ -40,7 +40,13 @@ class CostPoint:
 
 
 def cost_points(folder: Path, records: Sequence[TrialRecord]) -> list[CostPoint]:
-    """Return the cost points of a results folder, for engines with at least ``LEAST_SET_UPS`` profiles on a scene."""
+    """Return the cost points of a results folder, for engines with at least ``LEAST_SET_UPS`` profiles on a scene.
+
+    Groups without a frame time have no point.
+
+    Raises:
+        pyarrow.ArrowException: if a file of frames is incomplete.
+    """
     set_ups = {key: {one.profile for one in trials} for key, trials in grouped(records, "scene", "engine").items()}
     points = []
     for values, trials in grouped(records, *GroupKey._fields).items():
@@ -64,7 +70,10 @@ def _point(key: GroupKey, timed: Sequence[tuple[TrialRecord, float]]) -> CostPoi
 
 
 def _frame_ms(folder: Path, record: TrialRecord) -> float | None:
-    """Return the median frame time [ms] while the highest level that stood was the top level; None without frames."""
+    """Return the median frame time [ms] while the highest level that stood was the top level.
+
+    The result is None if no level stood, or if there are no timed frames of this level.
+    """
     frames = ResultsFolder(folder).frames_file(record.trial)
     if not record.height_levels or record.timed_frames is None or not frames.exists():
         return None
@@ -76,7 +85,8 @@ def _frame_ms(folder: Path, record: TrialRecord) -> float | None:
 def frontier(points: Sequence[CostPoint]) -> list[CostPoint]:
     """Return the Pareto front, sorted by frame time.
 
-    A point on the front has more levels than every other point whose frame time is equal or less.
+    A point on the front has more levels than every other point whose frame time is equal or less. Of points that are
+    equal in both, the front contains only the first.
     """
     best: list[CostPoint] = []
     for point in sorted(points, key=lambda point: (point.frame_ms, -point.levels)):

@@ -1,4 +1,4 @@
-"""Medians, ratios and success rates with their intervals; a single seed gives no interval."""
+"""Medians, ratios and success rates with their intervals."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LEAST_RATIOS = 5
 """Fewest pairs of times that give a ratio, because on a shared machine single ratios differ by a factor of 2. The range
 of five ratios encloses the true median with a probability of 93.75 %."""
 _SEED = 20150608
-"""Seed of the bootstrap, so that a report can be reproduced."""
+"""Seed of the bootstrap, so that equal records give equal intervals."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,16 +24,18 @@ class Estimate:
     """An estimated value with its interval."""
 
     n: int
-    """Number of values from which the estimate is computed."""
+    """Number of values behind the estimate."""
     value: float
     low: float | None = None
-    """Lower end of the 95 % interval; None if n is too small for an interval."""
+    """Lower end of the 95 % interval; None without an interval."""
     high: float | None = None
-    """Upper end of the 95 % interval; None if n is too small for an interval."""
+    """Upper end of the 95 % interval; None without an interval."""
 
 
 def median(values: Sequence[float]) -> Estimate | None:
     """Return the median with its bootstrap percentile interval; None without values.
+
+    The median of a single value has no interval.
 
     Args:
         values: uncensored values, one per seed.

@@ -1,11 +1,11 @@
 """Known faults of engines: public threads that may explain a row of a report.
 
-A known fault flags a group of trials if a trial of the group meets both conditions:
+A known fault flags a group of trials if the first repeat of a seed of the group meets both conditions:
 
 - The engine, the version, the policy and the scene match the fault.
 - The trial shows a symptom of the fault.
 
-A flag does not prove the cause. The row counts as it would without the flag.
+A flag does not prove the cause. A row with a flag counts like a row without a flag.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class KnownFaultsError(ValueError):
 
 
 class KnownFault(BaseModel):
-    """A public thread about an engine, and the rows that it flags."""
+    """A public thread about an engine, with the conditions under which the thread flags a trial."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -42,11 +42,11 @@ class KnownFault(BaseModel):
     thread: str = Field(pattern=r"^[\w.-]+/[\w.-]+#\d+$")
     """Repository and number, such as ``bulletphysics/bullet3#3049``."""
     kind: Literal["issue", "pull"]
-    """Kind of the thread, which its address contains."""
+    """Kind of the thread, which decides the form of its address."""
     symptoms: tuple[Symptom, ...] = Field(min_length=1)
-    """Symptoms that flag a row."""
+    """Symptoms of the fault, at least one."""
     sentence: str
-    """What the thread says, in one sentence."""
+    """Statement of the thread, in one sentence."""
     first: str = ""
     """First version for which the thread reports the fault; empty if every earlier version may have it."""
     last: str = ""
@@ -90,17 +90,19 @@ class KnownFault(BaseModel):
 
 @cache
 def known_faults(file: Path = FILE) -> tuple[KnownFault, ...]:
-    """Return the known faults of a file, in its order.
+    """Return the known faults of a file, in the order of the file.
 
     Raises:
         KnownFaultsError: if an entry is not valid.
+        OSError: if the file is unreadable.
+        tomllib.TOMLDecodeError: if the file is not TOML.
     """
     entries = tomllib.loads(file.read_text(encoding="utf-8")).get("fault", [])
     return tuple(_fault(file, number, entry) for number, entry in enumerate(entries, start=1))
 
 
 def faults_of(group: Group) -> tuple[KnownFault, ...]:
-    """Return the known faults that a trial of a group shows."""
+    """Return the known faults that the first repeat of a seed of the group shows."""
     return tuple(fault for fault in known_faults() if any(fault.shows_in(trial) for trial in group.draws))
 
 

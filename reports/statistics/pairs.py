@@ -1,4 +1,4 @@
-"""Pairs of scenes: one scene must stand, its partner must fall, and little but the deciding quantity differs.
+"""Pairs of scenes that demand opposite outcomes, although little but the deciding quantity differs.
 
 A pair counts as correct only if both outcomes are correct, because single trials reward trivial policies. A policy that
 freezes everything also holds the scene that must fall. A policy that freezes nothing may drop the scene that must
@@ -28,12 +28,13 @@ class Pair:
     family: str
     """Name of the scenario of which the scenes are variants."""
     judged: tuple[frozenset[Verdict], ...]
-    """Verdicts of both scenes, for each seed for which both were decided."""
+    """Verdicts of both scenes, for each seed with a judgement of both scenes."""
     undecided: int
-    """Number of seeds without a judgement of both scenes. The reasons are:
+    """Number of seeds of both scenes without a judgement of both scenes. The reasons are:
 
     - the time limit stopped a trial;
     - the engine does not support a scene;
+    - a stack that must stand is in neutral balance;
     - placement noise moved a scene so close to its limit that its answer is unknown.
     """
 
@@ -55,11 +56,11 @@ class PairRow(NamedTuple):
     success_rates: SuccessRates | None
     """Success rates; None if no pair was judged."""
     undecided: int
-    """Number of seeds that were not decided, summed over the pairs."""
+    """Number of seeds without a judgement of both scenes, summed over the pairs."""
 
 
 class PairedScenes(NamedTuple):
-    """Scenes of a family in a study with pairs: those that pairs judge, and the others."""
+    """Scenes of a family in a study with pairs: scenes in pairs, and scenes without a partner."""
 
     family: str
     pairs: int
@@ -67,11 +68,11 @@ class PairedScenes(NamedTuple):
     paired: tuple[str, ...]
     """Ids of the scenes in pairs."""
     alone: tuple[str, ...]
-    """Ids of the scenes without a partner, which no table of pairs counts."""
+    """Ids of the scenes without a partner. No table of pairs counts these scenes."""
 
 
 def paired_scenes(groups: Sequence[Group]) -> list[PairedScenes]:
-    """Return the scenes of each family that pairs judge, and the others; empty without pairs."""
+    """Return the scenes of each family, in pairs and without a partner; empty without pairs."""
     by_set_up = grouped(groups, "key.engine", "key.profile", "key.policy").values()
     names = {pair.name for members in by_set_up for pair in pairs_of(members)}
     found = []
@@ -101,12 +102,12 @@ def are_opposed(expectations: Sequence[Expectation]) -> bool:
 
 
 def pair_success_rates(pairs: Sequence[Pair]) -> SuccessRates | None:
-    """Return the success rates of pairs, with bootstrap intervals over pairs; None without judged pairs."""
+    """Return the success rates of pairs, with bootstrap intervals over pairs and seeds; None without judged pairs."""
     return success_rates([pair.judged for pair in pairs])
 
 
 def pair_rows(groups: Sequence[Group]) -> list[PairRow]:
-    """Return rows for each engine, profile and policy: all pairs, then each family; empty without pairs."""
+    """Return the rows of each engine, profile and policy with pairs: all pairs together, then each family."""
     by_set_up = grouped(groups, "key.engine", "key.profile", "key.policy")
     set_ups = {SetUp(*key): members for key, members in by_set_up.items()}
     rows = []

@@ -48,7 +48,7 @@ class Creep(NamedTuple):
     """True if the creep exceeds its limit, but the stack counts as still, because the interval of the creep reaches
     below the limit."""
     error_m_s: float | None = None
-    """Half width of the 95 % interval of the creep [m/s]; None if it was not measured."""
+    """Half width of the 95 % interval of the creep [m/s]; None without a measured interval."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +63,7 @@ class Place:
     wrong: int
     """Number of units with an error."""
     missing: int
-    """Number of units of the study without records of all trials."""
+    """Number of units of the study for which the set-up lacks a record."""
     frame_ms: float | None
     """Median over scenes of the median frame time [ms], without scenes whose times come from several machines; None if
     no scene remains."""
@@ -71,8 +71,8 @@ class Place:
     """The scene with the greatest 99th percentile of the frame time, without scenes whose times come from several
     machines; None if no scene remains."""
     creep: Creep | None
-    """Creep with the greatest ratio to its limit, of all judged stacks that must stand and stood; None if no creep was
-    measured."""
+    """Creep with the greatest ratio to its limit, of all stacks that must stand and did not fall. Stacks in neutral
+    balance do not count. None without a measured creep."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ class Ranking:
     places: tuple[Place, ...]
     """Places of the set-ups of products, the best first."""
     references: tuple[Place, ...] = ()
-    """Set-ups of reference engines, the best first, outside the places."""
+    """Places of the set-ups of reference engines in a list of their own, the best first."""
 
     @cached_property
     def pairs(self) -> int:
@@ -114,8 +114,8 @@ def rank(groups: Sequence[Group], references: Collection[str] = ()) -> Ranking:
     The sort keys, in this order:
 
     - the number of right units, in descending order;
-    - the number of wrong units;
-    - the frame time;
+    - the number of wrong units, in ascending order;
+    - the frame time, in ascending order, with missing times last;
     - the order of the groups.
     """
     sides = _sides(groups)
@@ -189,7 +189,7 @@ def _place(set_up: SetUp, units: Mapping[Unit, frozenset[State]], total: int, gr
 def _creep(groups: Sequence[Group]) -> Creep | None:
     """Return the creep with the greatest ratio to its limit; None without a measured creep.
 
-    A stack without a verdict, such as a stack in neutral balance, may creep.
+    Stacks with the verdict ``none``, such as a stack in neutral balance, do not count, because such stacks may creep.
     """
     measured = [
         Creep(trial.creep_m_s, trial.creep_limit_m_s, trial.creep_is_uncertain, trial.creep_error_m_s)

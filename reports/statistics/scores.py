@@ -40,17 +40,18 @@ class PolicyScore:
     pairs: SuccessRates | None
     """Success rates of pairs of scenes; None if no pair was judged."""
     others: SuccessRates | None
-    """Success rates of the trials of scenes without a partner, if there are pairs; None if no such trial was judged."""
+    """Success rates of the trials of scenes without a partner; None without pairs, and if no such trial was judged."""
     units: SuccessRates | None
-    """Success rates of pairs and of other scenes together, as in the ranking; None if none was judged."""
+    """Success rates of pairs and of other scenes together, as in the ranking; None if no pair or trial was judged."""
     frame_ms_p99: float | None
     """Median over scenes of the 99th percentile of frame times [ms], without scenes whose times come from several
     machines; None if no scene remains."""
     slowest: SlowestScene | None
-    """The scene with the greatest 99th percentile of frame times; None if no scene remains."""
+    """The scene with the greatest 99th percentile of frame times, without scenes whose times come from several
+    machines; None if no scene remains."""
     frame_ratios: tuple[Estimate, ...]
-    """Ratio of the frame time with the extension to the frame time without the extension, on the same stack, for each
-    scene with at least ``LEAST_RATIOS`` pairs of times."""
+    """Frame ratio of each scene with at least ``LEAST_RATIOS`` pairs of times. A frame ratio is the frame time with the
+    extension over the frame time without the extension, on the same stack."""
 
     @property
     def headline(self) -> SuccessRates | None:
@@ -62,7 +63,10 @@ class PolicyScore:
 
     @property
     def summary(self) -> str:
-        """Counts: ``38 of 46 pairs, 2 of 6 other scenes; 50 of 55 that must stand, 40 of 46 that must fall``."""
+        """Counts of right outcomes as text.
+
+        Example: ``38 of 46 pairs, 2 of 6 other scenes; 50 of 55 that must stand, 40 of 46 that must fall``.
+        """
         sides = [(self.stand, "stand"), (self.fall, "fall")]
         sides_text = ", ".join(
             f"{count(side)} of {side.n} that must {word}" for side, word in sides if side is not None
@@ -133,7 +137,11 @@ def _measures_creep(trial: TrialRecord) -> bool:
 
 
 def slowest_scene(groups: Sequence[Group]) -> SlowestScene | None:
-    """Return the scene with the greatest 99th percentile of frame times [ms]; None if no scene has a value."""
+    """Return the scene with the greatest 99th percentile of frame times; None if no scene has a value.
+
+    Args:
+        groups: groups of one engine, profile and policy.
+    """
     times = [(group.estimate("frame_ms_p99"), group.key.scene) for group in groups]
     return max((SlowestScene(time.value, scene) for time, scene in times if time is not None), default=None)
 
@@ -144,6 +152,11 @@ def _ratios(groups: Sequence[Group]) -> tuple[Estimate, ...]:
 
 
 def middle(groups: Sequence[Group], field: str) -> float | None:
-    """Return the median over scenes of a field; None if no scene has a value."""
+    """Return the median over scenes of a field; None if no scene has a value.
+
+    Args:
+        groups: groups of one engine, profile and policy.
+        field: name of a numeric field of a record.
+    """
     estimates = [estimate.value for group in groups if (estimate := group.estimate(field)) is not None]
     return statistics.median(estimates) if estimates else None

@@ -32,13 +32,14 @@ class SoakSummary:
     median_m_s: float | None
     """Median creep of the trials with a measured creep [m/s]; None without such trials."""
     shortest_s: float | None
-    """Shortest time of a creeping trial until a brick has moved by its thickness [s]; None without creeping trials."""
+    """Shortest time [s] in which a brick of a creeping trial moves by its thickness, at its measured creep; None
+    without creeping trials."""
 
 
 def soaked(records: Sequence[TrialRecord]) -> list[TrialRecord]:
-    """Return the trials of scenes that must stand, watched for at least ``LEAST_WATCH_S``, without repeats.
+    """Return the trials of scenes that must stand, with a watch of at least ``LEAST_WATCH_S``, without repeats.
 
-    The trials are in the order of their groups.
+    The trials are in the order of their groups. Scenes that the engine does not support do not count.
     """
     return [
         record
@@ -52,14 +53,14 @@ def soaked(records: Sequence[TrialRecord]) -> list[TrialRecord]:
 
 
 def creeps_at_all(record: TrialRecord) -> bool:
-    """Return whether the 95 % interval of a trial's creep excludes zero."""
+    """Return whether the 95 % interval of a trial's creep excludes zero; False without a measured creep."""
     return record.creep_m_s is not None and record.creep_m_s > (record.creep_error_m_s or 0.0)
 
 
 def time_of_a_thickness(record: TrialRecord) -> float | None:
     """Return the time [s] in which the brick with the greatest creep per thickness moves by its thickness.
 
-    The result is None if the interval of the creep includes zero.
+    The result is None without a measured creep, and if the interval of the creep includes zero.
     """
     if not creeps_at_all(record) or not record.creep_m_s or record.creep_thickness_m is None:
         return None
@@ -67,7 +68,7 @@ def time_of_a_thickness(record: TrialRecord) -> float | None:
 
 
 def soak_summaries(records: Sequence[TrialRecord]) -> list[SoakSummary]:
-    """Return the summary of the soaked trials of each engine, profile and policy, in order of appearance."""
+    """Return the summary of the soaked trials of each engine, profile and policy, in the order of the groups."""
     by_set_up = grouped(soaked(records), "engine", "profile", "policy")
     return [_summary(trials, *set_up) for set_up, trials in by_set_up.items()]
 

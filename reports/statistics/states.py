@@ -25,7 +25,7 @@ STATES: tuple[State, ...] = (
 
 - ``undecided``: the time limit stopped the trial;
 - ``not_playable``: the engine does not support the scene;
-- ``open``: theory demands no outcome.
+- ``open``: theory demands no outcome, or a stack that must stand is in neutral balance.
 """
 
 

@@ -1,15 +1,16 @@
 """Steps of a figure over versions: the versions at which its level changes and stays changed.
 
-The module transforms the values x_i to a scale on which a step has a typical size: logarithms for creep, sink and
-times, plain values for levels and angles. The search by PELT (pruned exact linear time) then finds the segments that
-minimise
+The module transforms the values to x_i on a scale on which a step has a typical size. The scale is logarithmic for
+creep, sink and times, and linear for levels and angles. The search by PELT (pruned exact linear time) then finds the
+segments that minimise
 
     sum over segments of sum_i ((x_i - mean of segment) / s)^2  +  penalty * number of steps
 
-    s         max(least noise, 1.4826 / sqrt(2) * median of |x_(i+1) - x_i|), the noise of a value
+    s         max(least noise, 1.4826 / sqrt(2) * median of |x_(i+1) - x_i|), the noise of a value;
+              least noise for fewer than ``_LEAST_VERSIONS`` versions
     penalty   PENALTY log(number of versions)
 
-Finally the module drops each step that is smaller than the least step of its kind, and joins the two segments.
+Finally the module drops steps at a wrong version (see ``_placed``) and steps smaller than the least step of their kind.
 
 Sources: R. Killick, P. Fearnhead, I. A. Eckley, Optimal detection of changepoints with a linear computational cost,
 Journal of the American Statistical Association 107 (2012) 1590-1598; C. Truong, L. Oudre, N. Vayatis, Selective review
@@ -48,9 +49,11 @@ class Scale:
 
 
 CREEP_FLOOR = 1e-6
-"""Creep [m/s] below which a change does not count: the default tolerance of a comparison (``Tolerance.creep_m_s``)."""
+"""Creep [m/s] that is added before the logarithm, so that small creeps differ little on the scale. The value is the
+default tolerance of a comparison (``Tolerance.creep_m_s``)."""
 SINK_FLOOR = 5e-5
-"""Sink [m] below which a change does not count: the default tolerance of a comparison (``Tolerance.sink_m``)."""
+"""Sink [m] that is added before the logarithm, so that small sinks differ little on the scale. The value is the default
+tolerance of a comparison (``Tolerance.sink_m``)."""
 SCALES: dict[Kind, Scale] = {
     "levels": Scale(float, noise=0.2, least_step=1.0),
     "collapse": Scale(float, noise=0.2, least_step=1.0),
@@ -62,14 +65,20 @@ SCALES: dict[Kind, Scale] = {
 }
 """Scale of each kind of figure."""
 PENALTY = 4.0
-"""Penalty of a step in units of the squared noise and of the logarithm of the number of versions. With 2 (Schwarz's
-criterion) 4 of 50 flat histories of 40 times with a noise of 12 % had a step, with 3 one had, and with 4 none
-(``tests/reports/statistics/test_steps.py``, seed 24); planted steps were found as often with 2 as with 6."""
+"""Penalty of a step in units of the squared noise and of the logarithm of the number of versions. The value comes from
+50 flat histories of 40 times with a noise of 12 % (``tests/reports/statistics/test_steps.py``, seed 24):
+
+- with a penalty of 2 (Schwarz's criterion), 4 histories had a step;
+- with a penalty of 3, one history had a step;
+- with a penalty of 4, no history had a step.
+
+The search found planted steps as often with 2 as with 6.
+"""
 _MAD_TO_SIGMA = 1.4826 / math.sqrt(2.0)
 """Factor from the median absolute difference of neighbours to the standard deviation of Gaussian noise."""
 _LEAST_VERSIONS = 6
-"""Fewest versions whose differences measure the noise; with fewer the least noise of the kind is used, and figures with
-more noise, such as times, have no steps."""
+"""Fewest versions whose differences measure the noise. For fewer versions, the search uses the least noise of the kind,
+and a kind whose ``min_size`` exceeds 1, such as times, has no steps."""
 
 
 def find_steps(values: Sequence[float | None], kind: Kind) -> list[int]:

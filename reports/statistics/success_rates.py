@@ -14,10 +14,10 @@ Miss: TypeAlias = Literal["false_stand", "false_collapse", "creeps", "failed"]
 MISSES: tuple[Miss, ...] = ("false_stand", "false_collapse", "creeps", "failed")
 """All kinds of error:
 
-- ``false_stand``: a stack that must fall stands, or falls too late;
-- ``false_collapse``: a stack that must stand falls, or a stack that must fall falls too early;
+- ``false_stand``: a stack that must fall stands, or falls too late or at too high a level;
+- ``false_collapse``: a stack that must stand falls, or a stack that must fall falls too early or at too low a level;
 - ``creeps``: a stack that must stand creeps;
-- ``failed``: a stack that must fall only sinks, or an error, a crash or a divergence ends the trial.
+- ``failed``: a stack that must fall only sinks, or an error, a crash, a lack of memory or a divergence ends the trial.
 """
 
 

@@ -1,6 +1,6 @@
 """Survival statistics of the levels at which stacks fall; some of these levels are only lower bounds.
 
-A level counts as censored in two cases: the stack reached its full height, or the time limit stopped the trial. In both
+A level counts as censored in two cases: the stack stood to the end, or the time limit stopped the trial. In both
 cases the stack might have carried more levels. Censored levels have no mean. They have a survival curve, the median of
 this curve, and tests that account for censoring.
 """
@@ -23,12 +23,12 @@ FloatArray = npt.NDArray[np.float64]
 CONFIDENCE = 0.95
 """Confidence of every interval, by convention."""
 PERMUTATIONS = 9999
-"""Greatest number of sign combinations in a paired test: all combinations for up to 13 pairs, else a random sample,
-which gives a p-value of 0.05 with an error of 0.004."""
+"""Greatest number of sign combinations in a paired test: all combinations for up to 13 pairs, else a random sample. The
+sample gives a p-value of 0.05 with an error of 0.004."""
 _ROUNDING = 1e-9
 """Bound of the rounding error of a share, which is a product of fractions."""
 _SEED = 20150608
-"""Seed of the sample, so that a report can be reproduced."""
+"""Seed of the sample, so that equal records give equal p-values."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,8 +48,8 @@ class Lifetime:
 def lifetime(trial: TrialRecord) -> Lifetime | None:
     """Return the lifetime of a trial's stack; None if the trial has no result about the stack.
 
-    A trial has no result if its process failed, or if the engine does not support the scene. A trial whose poses became
-    non-finite counts as fallen.
+    A trial without a collapse has no result if its status is ``error``, ``crashed``, ``out_of_memory`` or
+    ``unsupported``. A trial whose poses became non-finite counts as fallen.
     """
     if trial.collapse_level is not None:
         return Lifetime(trial.collapse_level, True)

@@ -17,7 +17,7 @@ from scenarios.statics.contact_patch import Ridge
 from scenarios.statics.truth import UndecidedError, first_fall
 
 EXACT_SHARE = 0.02
-"""Ratio of the tolerance of the bisection by exact statics to the tolerance of the bisection on the engine, chosen so
+"""Tolerance of the bisection by exact statics over the tolerance of the bisection on the engine. The ratio is small, so
 that the error of the exact limit is negligible."""
 
 
@@ -66,7 +66,7 @@ def bisected_scenarios(study: Mapping[str, Any]) -> set[str]:
 
 
 def of_fixed_scenes(records: Sequence[TrialRecord], study: Mapping[str, Any]) -> list[TrialRecord]:
-    """Return the records of scenes without a bisected parameter, because one step of a bisection is not a result."""
+    """Return the records of scenarios without a bisected parameter, because one step of a bisection is not a result."""
     bisected = bisected_scenarios(study)
     return [record for record in records if record.scenario not in bisected]
 
@@ -124,9 +124,11 @@ def exact_limits(
 ) -> tuple[float | None, float | None]:
     """Return the limits that a bisection with exact statics finds, for both conventions for the normal of a ridge.
 
-    The first limit is for the bisector, the second is for a face normal. A limit is None in two cases: the answer is
-    the same at both ends of the search, or the scene pushes or pulls bricks. Exact statics cannot judge pushed or
-    pulled bricks.
+    The first limit is for the bisector, the second is for a face normal. A scene in doubt counts as fallen. A limit is
+    None in two cases:
+
+    - the answer is the same at both ends of the search;
+    - exact statics cannot judge a scene; see ``first_fall``.
 
     Args:
         scenario: name of the scenario.
@@ -146,7 +148,7 @@ def exact_limits(
 
         try:
             bracket = Bisection(search.low, search.high, EXACT_SHARE * search.tolerance).search(stands)
-        except ValueError:  # exact statics cannot judge pushed bricks
+        except ValueError:  # exact statics cannot judge the scene
             return None
         return bracket.middle if bracket.is_found else None
 

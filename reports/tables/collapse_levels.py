@@ -1,4 +1,4 @@
-"""The table of collapse levels, which shows their distribution over many seeds."""
+"""The table of collapse levels: their distribution over the trials of each group."""
 
 from __future__ import annotations
 

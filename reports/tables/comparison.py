@@ -73,9 +73,9 @@ class ComparisonRow:
     entries: tuple[Entry, ...]
     """Entries in the order of ``COLUMNS``."""
     trouble: str
-    """Numbers of trials that neither completed nor collapsed, in words; empty if there are none."""
+    """Numbers of draws that neither completed nor collapsed, in words; empty if all completed or collapsed."""
     note: str
-    """Further note for the reader; may be empty."""
+    """Further note for the reader; empty without a note."""
     thread: Thread | None = None
     """Public discussion (thread) from which the scene comes; None for other scenes."""
     faults: tuple[KnownFault, ...] = ()

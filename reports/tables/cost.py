@@ -24,7 +24,7 @@ _COUNTED = "counted"
 
 
 def cost_tables(records: Sequence[TrialRecord], environment: Mapping[str, Any]) -> list[Table]:
-    """Return the table of costs in a list, which is empty if no trial has a cost in ``_COSTS``.
+    """Return the table of costs in a list, which is empty if no trial with frame times has a cost in ``_COSTS``.
 
     Args:
         records: records of all trials of a study.

@@ -1,4 +1,4 @@
-"""The table of divisions: success rates on scenes for the tuning of profiles, and on held-out scenes."""
+"""The table of divisions: success rates on the scenes that tuned the profiles, and on held-out scenes."""
 
 from __future__ import annotations
 

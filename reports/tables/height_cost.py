@@ -11,7 +11,7 @@ from reports.tables.table import Table
 
 
 def height_cost_tables(folder: Path, records: Sequence[TrialRecord]) -> list[Table]:
-    """Return the table of the cost of height in a list, which is empty if no engine has ``LEAST_SET_UPS`` profiles."""
+    """Return the table of the cost of height in a list, which is empty without cost points (see ``cost_points``)."""
     points = cost_points(folder, records)
     return [cost_table(points)] if points else []
 

@@ -123,12 +123,15 @@ def _pair_entries(row: PairRow) -> list[str]:
 
 
 def escape(text: str) -> str:
-    """Escape text for LaTeX."""
+    """Return a text in which LaTeX commands replace the characters of ``_SPECIAL``."""
     return "".join(_SPECIAL.get(letter, letter) for letter in text)
 
 
 def with_uncertainty(value: float, uncertainty: float | None) -> str:
-    """Format a number in the notation of siunitx, ``1.234(12)``, with the uncertainty in units of the last digit."""
+    """Format a number with three decimals in the notation of siunitx, ``1.234(12)``.
+
+    The uncertainty is in units of the last digit, rounded up; the text omits an uncertainty of None.
+    """
     text = f"{value:.{_DECIMALS}f}"
     return text if uncertainty is None else f"{text}({math.ceil(uncertainty * 10**_DECIMALS)})"
 

@@ -21,7 +21,7 @@ _WENT_WRONG = {
 TITLE = "Outcomes"
 """Title of the table."""
 ADOPTED = "†"
-"""Mark of trials in which the core froze bodies of a prebuilt stack before the first step."""
+"""Mark of trials in which the core froze bodies of a prebuilt stack before the first step after their placement."""
 CREEPS_NOTE = (
     "“creeps”: it stood, but in the last half of the watch the 95 % interval of a brick's creep lay above the limit "
     "(by default 1 % of its thickness a minute)."
@@ -63,7 +63,10 @@ def outcomes_table(records: Sequence[TrialRecord]) -> Table:
 
 
 def outcome(trials: Sequence[TrialRecord]) -> str:
-    """Return the entry for the trials of a group: levels or end, and the mark and number of right trials."""
+    """Return the entry for the trials of a group: levels or end, the mark and, for several trials, the number right.
+
+    The entry is a dash without trials.
+    """
     if not trials:
         return NOTHING
     judged, mark_of_adopted = judged_trials(trials), adopted_mark(trials)
@@ -83,7 +86,7 @@ def outcome(trials: Sequence[TrialRecord]) -> str:
 
 
 def adopted_mark(trials: Sequence[TrialRecord]) -> str:
-    """Return ``ADOPTED`` if the core froze prebuilt bodies before the first step of a trial, else an empty string."""
+    """Return ``ADOPTED`` if this mark applies to one of the trials, else an empty string."""
     return ADOPTED if any(trial.adopted for trial in trials) else ""
 
 

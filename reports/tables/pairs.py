@@ -26,13 +26,13 @@ def pair_tables(rows: Sequence[PairRow], scenes: Sequence[PairedScenes]) -> list
 
     Args:
         rows: success rates of the pairs.
-        scenes: scenes of each family in pairs and without a partner, of which the notes give the numbers.
+        scenes: scenes of each family; the notes give their numbers in pairs and without a partner.
     """
     return [_headline(rows, _coverage(scenes)), _by_family(rows, _coverage_of_families(scenes))] if rows else []
 
 
 def paired_scenes_table(scenes: Sequence[PairedScenes], names: Mapping[str, str]) -> Table:
-    """Return the table of the scenes that pairs judge, by family, with the scenes that none judges.
+    """Return the table of the scenes of each family, in pairs and without a partner.
 
     Args:
         scenes: scenes of each family.
@@ -111,7 +111,7 @@ def _by_family(rows: Sequence[PairRow], coverage: str) -> Table:
 
 
 def _coverage(scenes: Sequence[PairedScenes]) -> str:
-    """Return the number of scenes that pairs judge, of all scenes of the study, as a sentence."""
+    """Return a sentence with the number of scenes that pairs judge, and the number of all scenes of the study."""
     pairs = sum(one.pairs for one in scenes)
     paired, alone = sum(len(one.paired) for one in scenes), sum(len(one.alone) for one in scenes)
     counted_pairs = "The only pair" if pairs == 1 else f"The {pairs} pairs"

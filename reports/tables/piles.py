@@ -24,7 +24,7 @@ FIGURES = (
 
 
 def pile_tables(records: Sequence[TrialRecord]) -> list[Table]:
-    """Return the table of all poured piles in a list, which is empty without piles."""
+    """Return the table of all piles with an angle of repose in a list, which is empty without these piles."""
     poured = [record for record in records if record.repose_deg is not None]
     if not poured:
         return []

@@ -17,7 +17,7 @@ from reports.tables.table import NOTHING, Table
 
 NOISY = 0.1
 """Spread of the times of the fixed calculation above which the table warns that smaller differences of times mean
-nothing: ratio of the 95th to the 5th percentile, minus 1."""
+nothing. The spread is the 95th over the 5th percentile, minus 1."""
 _PERCENTILES = (50, 95, 99)
 """Percentiles of the best times."""
 
@@ -41,10 +41,13 @@ def same_poses(repeats: Sequence[TrialRecord]) -> bool:
 
 
 def best_times(folder: Path, repeats: Sequence[TrialRecord]) -> list[float] | None:
-    """Return percentiles 50, 95 and 99 of the frame times [ms], with the least time of each frame over all repeats.
+    """Return percentiles 50, 95 and 99 of the least times of each frame over all repeats [ms].
 
     The result is None if the repeats differ in poses, machine or number of timed frames, because such frames are not
     comparable. The result is also None if the frames of a repeat are missing.
+
+    Raises:
+        pyarrow.ArrowException: if the file of the frames of a repeat is incomplete.
     """
     if not same_poses(repeats) or len({(record.host, record.timed_frames) for record in repeats}) != 1:
         return None

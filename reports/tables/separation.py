@@ -57,15 +57,15 @@ def _figures(studies: Mapping[str, ResultsFolder], engine: str, method: str) -> 
 
 
 def _limit(parameter: str, records: Sequence[TrialRecord], folder: ResultsFolder) -> str:
-    """Return the threshold of a parameter in percent of the exact threshold."""
+    """Return the threshold of a parameter in percent of the exact threshold, as text; a dash without a threshold."""
     found = [one for one in thresholds_of(records, folder.study) if one.parameter == parameter]
     return percent_of_exact(found[0]) if found else NOTHING
 
 
 def _tilt(onsets: Sequence[Onset]) -> str:
-    """Return the number of stacks with an onset near a limit, over the number of all stacks, as text.
+    """Return the number of trials with an onset near a limit, over the number of all trials, as text.
 
-    The function leaves out stacks whose limit depends on the normal of a ridge.
+    The function leaves out trials of stacks whose limit depends on the normal of a ridge.
     """
     counted = [one for one in onsets if not one.depends_on_ridge]
     return f"{sum(one.is_near for one in counted)}/{len(counted)}" if counted else NOTHING
@@ -81,7 +81,7 @@ def _creep(records: Sequence[TrialRecord]) -> str:
 
 
 def _micrometres(speed_m_s: float) -> str:
-    """Format a speed in micrometres per second; return only the bound for a speed below ``LEAST_SHOWN``."""
+    """Format a speed [m/s] in um/s; return only the bound for a positive speed below ``LEAST_SHOWN``."""
     speed = speed_m_s * MICRO
     return f"<{LEAST_SHOWN:g}" if 0.0 < speed < LEAST_SHOWN else f"{speed:.2g}"
 
@@ -93,6 +93,6 @@ def _right(records: Sequence[TrialRecord]) -> str:
 
 
 def _asleep(records: Sequence[TrialRecord]) -> str:
-    """Return the longest time [s] for which a brick that must move kept its pose, as text."""
+    """Return the longest time [s] in one trial in which a brick that must move kept its pose, as text."""
     times = [record.asleep_s for record in records if record.asleep_s is not None]
     return f"{max(times):.2f}" if times else NOTHING

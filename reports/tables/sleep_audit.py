@@ -16,7 +16,10 @@ NEVER = "never"
 
 
 def sleep_tables(records: Sequence[TrialRecord]) -> list[Table]:
-    """Return a list with the table of all trials in which a brick must move; an empty list without these trials."""
+    """Return the table of all trials in which a brick must move, in a list.
+
+    The list is empty if no such trial has an audit.
+    """
     audited = [record for record in records if _must_move(record)]
     if not any(record.asleep_s is not None for record in audited):
         return []

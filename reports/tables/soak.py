@@ -25,7 +25,10 @@ def soak_tables(records: Sequence[TrialRecord]) -> list[Table]:
 
 
 def duration(seconds: float | None) -> str:
-    """Format a time [s] in a suitable unit, such as ``8.4 h``; a dash for None."""
+    """Format a time [s] in a suitable unit, such as ``8.4 h``; return a dash for None.
+
+    The text gives only the bound for a time above ``_MOST_YEARS``.
+    """
     if seconds is None:
         return NOTHING
     if seconds > _MOST_YEARS * _UNITS[0][0]:

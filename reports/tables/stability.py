@@ -26,7 +26,7 @@ MEASURES = (
 
 
 PRESENT_CREEP = ("creep_m_s", "creep_error_m_s", "sliding_m_s", "sinking_m_s")
-"""Fields of the creep, which trials have since format 3."""
+"""Fields of the creep, which records contain since format 3."""
 CREEP_NOTE = (
     "Creep [µm/s]: slope of a centre's position over the last half of the watch, of the brick that is fastest for its "
     "thickness, ± half of its 95 % interval; then the fastest horizontal and the fastest vertical creep of any brick."

@@ -18,7 +18,7 @@ from reports.tables.table import Table
 
 
 def study_tables(records: Sequence[TrialRecord]) -> list[Table]:
-    """Return the tables of a study, without correctness if no scene of the study has a known answer."""
+    """Return the tables of a study, without correctness if all verdicts are ``none``."""
     trials = trials_frame(records)
     is_judged = (trials["verdict"] != "none").any()
     return [

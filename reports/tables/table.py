@@ -153,7 +153,7 @@ def _coloured(cell: str) -> Text:
 
 
 def _unless_said(row: tuple[str, ...], previous: tuple[str, ...]) -> list[str]:
-    """Return the entries of a row, with blanks for the leading entries that repeat the row above."""
+    """Return the entries of a row, with blanks for leading entries that repeat the row above, except the last entry."""
     cells, same = [], True
     for index, cell in enumerate(row):
         same = same and index < len(row) - 1 and previous[index : index + 1] == (cell,)

@@ -14,7 +14,10 @@ _NOT_PLAYED = {"unsupported": "n/a", "timeout": "timed out"}
 
 
 def thread_tables(records: Sequence[TrialRecord]) -> list[Table]:
-    """Return the table of public threads in a list, which is empty if no scene comes from a thread."""
+    """Return the table of public threads in a list, which is empty if no scene comes from a thread.
+
+    The table shows only trials with seed 0 and repeat 0.
+    """
     found = [(record, thread) for record in records if (thread := thread_of(record.parameters)) is not None]
     draws = [(record, thread) for record, thread in found if record.seed == 0 and record.repeat == 0]
     if not draws:

@@ -40,7 +40,7 @@ def _row(one: Threshold) -> tuple[str, ...]:
 
 
 def percent_of_exact(one: Threshold) -> str:
-    """Return a threshold in percent of each exact limit, with its uncertainty; a dash without threshold or limit."""
+    """Return a threshold in percent of each distinct exact limit, with its uncertainty; a dash without a value."""
     whole = one.whole
     if whole is None:
         return NOTHING

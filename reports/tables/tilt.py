@@ -18,11 +18,11 @@ SCENARIO = "tilt_test"
 """Name of the scenario."""
 NEAR_DEG = 0.25
 """Greatest difference between an onset and a limit with which the onset agrees [deg]. On ground that tilts at 0.1
-deg/s, the onset comes 0.02 to 0.1 deg after the limit, because a brick first has to move by 1 % of its thickness or
-turn by half a degree. The greatest difference is less than half a degree, so that an error of half a degree shows."""
+deg/s, the onset comes 0.02 to 0.1 deg after the limit, because an onset is a motion by 1 % of a thickness or a turn by
+half a degree. The greatest difference is less than half a degree, so that an error of half a degree shows."""
 NAMED_DEG = 2.0
-"""Tolerance of the name of a ridge's normal [deg]. If the angle between the bisector and the ridge's normal differs by
-at most this from the angle of a named normal (0 for the bisector), the table shows the name instead of the angle."""
+"""Greatest difference [deg] between the angles of a ridge's normal and of a named normal to the bisector, up to which
+the table shows the name instead of the angle."""
 
 
 class Onset(NamedTuple):

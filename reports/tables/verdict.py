@@ -40,8 +40,8 @@ def sentence(ranking: Ranking, unfinished: int = 0) -> str:
 
     The cases, in order:
 
-    - no scene is judged: the sentence points to the tables;
-    - all set-ups run reference engines: the sentence states that they have no place in the ranking;
+    - the ranking has no units: the sentence points to the tables;
+    - all set-ups run reference engines: the sentence states that these engines have no place in the ranking;
     - no set-up is right in all units: the sentence names the first set-up of the ranking, with its misses;
     - the set-ups with all units right have no comparable frame times: the sentence names these set-ups;
     - otherwise: the sentence names the cheapest set-up with all units right.
@@ -76,7 +76,7 @@ def name(set_up: SetUp) -> str:
 
 
 def ranking_table(ranking: Ranking, records: Sequence[TrialRecord]) -> Table:
-    """Return the ranking as a table: place, set-up, counts, costs and the reason; no rows without judged trials.
+    """Return the ranking as a table: place, set-up, counts, costs and the reason; no rows without units.
 
     Args:
         ranking: the ranking of the study.
@@ -111,7 +111,10 @@ def reasons(ranking: Ranking) -> list[str]:
 
 
 def milliseconds(time_ms: float | None) -> str:
-    """Format a time [ms] with two significant digits, from 100 ms on without decimals; return a dash for None."""
+    """Format a time [ms] with two significant digits, from 100 ms on without decimals; return a dash for None.
+
+    A time below 0.001 ms has three decimals.
+    """
     if time_ms is None:
         return NOTHING
     decimals = 3 if time_ms < 1e-3 else max(0, 1 - math.floor(math.log10(time_ms)))
@@ -174,7 +177,7 @@ def _of_limit(creep: Creep | None) -> str:
 
 
 def _misses(place: Place) -> str:
-    """Return the counts of wrong and undecided units as text, such as ``1 false stand, 2 undecided``."""
+    """Return the counts of units that are not right as text, such as ``1 false stand, 2 undecided``."""
     counts = [counted(place.states[state], state) for state in STATES if state != "right" and place.states.get(state)]
     return ", ".join([*counts, *([f"{place.missing} without records"] if place.missing else [])])
 

@@ -1,4 +1,4 @@
-"""Format estimates, levels and lists as text."""
+"""Texts of estimates, creeps, levels, counts and lists."""
 
 from __future__ import annotations
 
@@ -107,9 +107,9 @@ def _level(level: float, highest: float) -> str:
 
 
 def troubles(group: Group) -> str:
-    """Return as text the counts of trials that neither completed nor collapsed, such as ``2 of 20 timed out``.
+    """Return as text the counts of draws that neither completed nor collapsed, such as ``2 of 20 timed out``.
 
-    The text is empty if all trials completed or collapsed.
+    The text is empty if all draws completed or collapsed.
     """
     counts = {status: sum(trial.status == status for trial in group.draws) for status in _WENT_WRONG}
     return ", ".join(

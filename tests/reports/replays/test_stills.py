@@ -81,8 +81,15 @@ def test_policies_are_seen_from_the_same_place(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("last_words", "output"),
     [
-        ("kill -SEGV $$", "no stills: this machine has no renderer: apt-get install libegl1, or libosmesa6"),
-        ("echo \"No module named 'pyvista'\" >&2; exit 1", "no stills: No module named 'pyvista': uv sync"),
+        (
+            "kill -SEGV $$",
+            "no stills: the renderer ended by signal 11, mostly because the machine has no renderer: apt-get install "
+            "libegl1, or libosmesa6",
+        ),
+        (
+            "echo \"No module named 'pyvista'\" >&2; exit 1",
+            "no stills: No module named 'pyvista': install the package with 'uv sync'",
+        ),
         ("echo 'OSError: no space' >&2; exit 1", "no stills: OSError: no space"),
     ],
 )
