@@ -45,7 +45,10 @@ _MOST_OUTPUT = 2**24
 _TAIL = 2**16
 """Length of the end of the output in which the harness searches for an error message [bytes]."""
 _MEBI = 2**20
-_HUNG = "the engine hung and was stopped; its progress is unknown"
+_HUNG = (
+    "the engine hung, and the harness stopped the trial; if a step only needs longer, raise 'trial_wall_s' in the "
+    "study's [limits]"
+)
 
 
 class IsolatedTrial:
@@ -130,7 +133,7 @@ class IsolatedTrial:
         except TimeoutError:
             return self._lost("timeout", _HUNG)
         except MemoryError:
-            return self._lost("out_of_memory", "the process ran out of memory")
+            return self._lost("out_of_memory", "the process ran out of memory; run fewer jobs at a time")
         except Exception as error:  # an error of the harness ends this trial, not the run
             return self._lost("error", f"harness: {type(error).__name__}: {error}")
         finally:

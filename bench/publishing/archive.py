@@ -31,8 +31,8 @@ def write_archive(folder: Path, to: Path) -> Path:
     day = read_manifest(folder)["round"]
     if differing := changes(folder):
         raise RoundError(
-            f"round {day} must be unchanged, but has changed ({'; '.join(differing[:3])}); remove additional files, and "
-            f"restore the round with: git checkout -- '{folder}'"
+            f"round {day} must be unchanged, but has changed ({'; '.join(differing[:3])}); remove additional files, "
+            f"and restore the round with: git checkout -- '{folder}'"
         )
     name = f"stillstack-results-{day}"
     to.mkdir(parents=True, exist_ok=True)

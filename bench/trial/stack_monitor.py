@@ -26,7 +26,10 @@ because their falls take longer in this proportion."""
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """Measurements of an intact stack, in the last frame before its collapse or before the start of the next level."""
+    """Measurements of an intact stack or of a pile.
+
+    For a stack, the measurements are of the last frame before its collapse or before the start of the next level.
+    """
 
     level: int
     """Highest level that stands intact with all levels below it."""
@@ -80,7 +83,7 @@ class StackMonitor:
 
     @property
     def creep(self) -> Creep | None:
-        """Creep of the bricks; None if the stack fell, or the watch was too short."""
+        """Creep of the bricks; None if the stack fell, the watch was too short, or there are no bricks."""
         return None if self.collapse else self._creep.measure(self._thickness)
 
     def see(
