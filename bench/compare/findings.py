@@ -10,8 +10,8 @@ from typing import Literal, TypeAlias, get_args
 from scenarios.lookup import look_up
 
 Gate: TypeAlias = Literal["outcome", "hash", "time"]
-"""Name of a gate: ``outcome`` judges verdicts and levels, ``hash`` judges poses bit for bit, ``time`` judges parts of a
-frame."""
+"""Name of a gate: ``outcome`` judges verdict, levels, sink and creep, ``hash`` judges poses bit for bit, ``time``
+judges parts of a frame."""
 Judgement: TypeAlias = Literal["worse", "changed", "better", "same", "open"]
 """Result of a gate. ``open`` means that the gate cannot decide, for the reason in the finding's message; such a
 finding is neither a pass nor an alarm."""

@@ -114,7 +114,8 @@ class Baseline(_Model):
             return None if text is None else unpacked(text)
         except PoseTraceError as error:
             raise BaselineError(
-                f"pose hash {pose_hash}: {error}; create the baseline again with 'bench baseline'"
+                f"pose hash {pose_hash}: {error}; run the study again, or create the baseline again with 'bench "
+                "baseline'"
             ) from error
 
     def with_trace_files(self, files: Mapping[str, Path]) -> Baseline:

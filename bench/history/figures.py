@@ -49,15 +49,15 @@ def as_series(versions: Sequence[Sequence[Figure]]) -> list[Series]:
 
 
 def first_failure(records: Sequence[TrialRecord]) -> str:
-    """Return a text about the failures if all trials failed; otherwise an empty text.
+    """Return an example of a failure if no trial has figures; otherwise an empty text.
 
-    The text cites the first trial that is not unsupported, or the first trial if all are unsupported. There must be at
+    The example is the first trial that is not unsupported, or the first trial if all are unsupported. There must be at
     least one record.
     """
     if any(record.status not in _FAILED for record in records):
         return ""
     first = next((one for one in records if one.status != "unsupported"), records[0])
-    return f"all {len(records)} trials failed; the first: {first.status}: {first.message}"
+    return f"none of the {len(records)} trials has figures, for example: {first.status}: {first.message}"
 
 
 def _of_trial(record: TrialRecord) -> Iterator[Figure]:

@@ -8,8 +8,8 @@ from pydantic import BaseModel, ConfigDict, Field
 class Tolerance(BaseModel):
     """Tolerances of the gates, for all trials of a scenario; a study may set these tolerances.
 
-    The outcome gate and the time gate apply the tolerances in every comparison. On the same processor, two runs of
-    the same suite with the same version of an engine that repeats bit for bit have equal outcomes, so that their
+    The outcome gate and the time gate apply the tolerances in every comparison of runs. On the same processor, two runs
+    of the same suite with the same version of an engine that repeats bit for bit have equal outcomes, so that their
     outcomes need no tolerance. Frame times vary from run to run, so that the time gate always needs ``time_share``.
     """
 
@@ -19,8 +19,8 @@ class Tolerance(BaseModel):
     """Tolerated loss [levels] of height, or growth of the error of the collapse level. The default is zero, because a
     user notices a missing level. A verdict that was right must stay right at any tolerance."""
     sink_m: float = Field(default=5e-5, ge=0)
-    """Tolerated increase of the sink [m]. The default is a quarter of 0.2 mm, which is the greatest depth of a brick in
-    its support at which the core freezes the brick."""
+    """Tolerated increase of the sink [m]. The default is a quarter of 0.2 mm, which is the greatest depth in its
+    support at which the core freezes a flat plank (``Settings.rest_penetration``)."""
     sink_share: float = Field(default=0.2, ge=0)
     """Additionally tolerated increase of the sink, as a share of the base's sink."""
     creep_m_s: float = Field(default=1e-6, ge=0)

@@ -138,7 +138,7 @@ def test_seeds_and_repeats_multiply_the_trials_and_seed_0_is_exact() -> None:
         ({"engines": []}, "field 'engines': must not be empty"),
         (
             {"engines": ["bullet", "bullet"]},
-            "field 'engines': a list must name each value once, but repeats bullet",
+            "field 'engines': each entry must occur once, got bullet more than once",
         ),
         ({"name": "../x"}, "field 'name': must be letters, digits, '-' and '_'"),
         ({"repeats": "two"}, "field 'repeats': must be a whole number, without quotes"),
