@@ -64,9 +64,8 @@ def prepare(
         allow_dirty: True to accept uncommitted changes.
 
     Raises:
-        CheckoutError: if the version does not exist, or a package of the version cannot be installed; if the version
-            has uncommitted changes, and ``allow_dirty`` is False; or for a folder without an environment, or with
-            ``packages``.
+        CheckoutError: if the version does not exist; if uv cannot install a package; if the version has uncommitted
+            changes, and ``allow_dirty`` is False; or for a folder without an environment, or with ``packages``.
     """
     if (Path(version) / "bench" / "__main__.py").is_file():
         return _folder(version, packages, allow_dirty)

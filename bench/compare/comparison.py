@@ -131,7 +131,7 @@ def _trajectories(base: Baseline, head: Baseline, pairs: Sequence[Pair], across:
 def _times(base: Baseline, head: Baseline, pairs: Sequence[Pair], same_way: Collection[str]) -> Iterator[Finding]:
     """Yield one finding for each engine, profile, part of a frame and reference part.
 
-    An engine and a profile without a reference part have an open finding.
+    For an engine and a profile without a reference part, the function yields one open finding.
     """
     groups: dict[str, list[Pair]] = defaultdict(list)
     for base_trial, head_trial in pairs:

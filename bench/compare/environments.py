@@ -74,7 +74,10 @@ def is_complete(pins: Sequence[str], on: Sequence[str] = ()) -> bool:
 
 
 def remove_environment(python: Path) -> None:
-    """Remove the environment of an interpreter if ``environment`` made it; uv's cache keeps its packages."""
+    """Remove the environment of an interpreter, unless the environment is outside ``environments_folder``.
+
+    The cache of uv keeps the packages.
+    """
     folder = python.parents[2]
     if folder.parent == environments_folder():
         with FileLock(folder.with_suffix(".lock")):

@@ -88,6 +88,6 @@ def kernels_cached() -> int:
 
 
 def _index_name(kernel: object) -> str:
-    """Return the start of the name of a kernel's index file: last part of the module's name, and function."""
+    """Return the start of the name of a kernel's index file: the last part of the module's name, and the function."""
     function = kernel.py_func  # type: ignore[attr-defined]
     return f"{function.__module__.rpartition('.')[2]}.{function.__qualname__}"

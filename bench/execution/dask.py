@@ -74,7 +74,7 @@ class RemoteOutcome(NamedTuple):
 def connected(address: str) -> Iterator[Client]:
     """Yield a connection to the scheduler at ``address``, such as ``tcp://10.0.0.1:8786``.
 
-    From then on, this process logs only Dask's critical messages.
+    From then on, the log of Dask contains only critical messages.
 
     Raises:
         ClusterError: if the address is invalid, or no scheduler answers within ``CONNECT_S``.

@@ -2,15 +2,16 @@
 
 The estimate scales each earlier wall time by a ratio: the time of a fixed calculation (``bench.machine.calibration``)
 on this machine now, divided by the time of the same calculation before and after the earlier trial. Without one of the
-two times, the ratio is 1. The estimate is the median of the scaled wall times over the first set that is not empty:
+two times, the ratio is 1. The estimate for a trial is the median of the scaled wall times of the first of these sets
+that is not empty:
 
 1. records of the same trial, of any version of the engine;
 2. trials with the same engine, profile, scene and policy: other seeds or repeats;
-3. trials with the same engine and scene, both with or both without an extension (the stability core, or joints);
+3. trials with the same engine, scene and use of an extension (the stability core or joints, against none);
 4. trials with the same engine and scene;
-5. trials with the same engine and profile, both with or both without an extension;
-6. trials with the same engine, both with or both without an extension;
-7. trials, both with or both without an extension;
+5. trials with the same engine, profile and use of an extension;
+6. trials with the same engine and use of an extension;
+7. trials with the same use of an extension;
 8. all trials.
 
 For sets 5 to 8, the estimate uses the wall time per level and simulated second, and is at least ``LEAST_S``.

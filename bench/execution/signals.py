@@ -36,7 +36,7 @@ class Interruption(AbstractContextManager["Interruption"]):
 
     @property
     def exit_status(self) -> int:
-        """Exit status of a program that ``signal`` has stopped: 128 plus the number of the signal."""
+        """Exit status of a program that ``signal`` has stopped: 128 plus ``signal``; 128 without a signal."""
         return 128 + (self.signal or 0)
 
     @contextmanager

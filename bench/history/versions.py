@@ -23,8 +23,8 @@ def released(package: str, wanted: str) -> list[str]:
     Args:
         package: name of the package.
         wanted: ``all``, a range ``3.0..4.0``, or a list ``3.3.0,4.0.0``. Either end of a range may be missing. The
-            upper end includes releases such as 4.0.1. All and ranges contain only final releases with a wheel for this
-            machine. The function does not check that the releases of a list exist.
+            upper end 4.0 includes releases such as 4.0.1. ``all`` and ranges contain only final releases with a wheel
+            for this machine. The function does not check that the releases of a list exist.
 
     Raises:
         CheckoutError: if the query of the registry fails.

@@ -159,7 +159,7 @@ def _published_pages() -> list[tuple[str, Path]]:
 
 
 def _caveat(name: str) -> str:
-    """Return a note for below a publication's table if an earlier core made the page; else an empty string."""
+    """Return the caveat to write below a publication's table if an earlier core made the page; else an empty string."""
     caveat = warning(core_of(PUBLISHED / name / "tables.md"), present_core())
     return f"\n*{caveat}*\n" if caveat else ""
 

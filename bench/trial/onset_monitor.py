@@ -43,7 +43,7 @@ class OnsetMonitor:
         """Slope of the ground in the first frame in which a brick had moved [deg]; None if none has moved."""
 
     def see(self, time: float, position: FloatArray, quaternion: FloatArray) -> None:
-        """Record the poses at the end of a frame before the tilt; later, compare the poses with these poses.
+        """Record poses and contacts before the tilt; later, compare the poses with the recorded poses.
 
         Args:
             time: end of the frame [s].

@@ -30,7 +30,7 @@ planks meet at a ridge."""
 
 
 class OwnContacts:
-    """Collector of the latest contacts of each pair of bodies with a separation up to ``TOUCHING``."""
+    """Collector of the latest touching contacts (see ``TOUCHING``) of each pair of bodies."""
 
     def __init__(self) -> None:
         self._pairs: dict[tuple[int, int], list[Patch]] = {}
