@@ -207,8 +207,8 @@ def test_none_native_and_raised_run_the_engine_alone() -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"scenario": [{"name": "four_stack"}, {"name": "four_stack"}]}, "but repeats four_stack"),
-        ({"scenario": [{"name": "four_stack", "parameters": {"levels": [3, 3]}}]}, "but repeats four_stack-3"),
+        ({"scenario": [{"name": "four_stack"}, {"name": "four_stack"}]}, "got four_stack more than once"),
+        ({"scenario": [{"name": "four_stack", "parameters": {"levels": [3, 3]}}]}, "got four_stack-3 more than once"),
         (
             {"scenario": [{"name": "four_stack", "parameters": {"levels": []}}]},
             "needs at least one value, got an empty list",
