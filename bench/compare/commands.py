@@ -29,7 +29,7 @@ def call(name: str, command: Sequence[str], folder: Path, fix: str = "correct th
         name: the version, or the side of a comparison, for which the command runs, for messages.
         command: the program and its arguments.
         folder: working directory.
-        fix: what the user can do if the command fails.
+        fix: advice to the user, for the message about a failed command.
 
     Raises:
         CheckoutError: if the command does not start, or if it fails; then the message ends with its error output.

@@ -35,7 +35,7 @@ class Finding:
     """The difference, the ratio of times, or the reason for which the gate could not decide; empty for the same outcome
     or the same poses."""
     base: str = ""
-    """Values of the base, to show beside those of the head; empty if the message has all."""
+    """Values of the base, to show beside the values of the head; empty if the message contains all values."""
     head: str = ""
     """Values of the head."""
 

@@ -69,7 +69,7 @@ class Baseline(_Model):
     shares: Mapping[str, Mapping[Part, Annotated[float, Field(gt=0)]]] = {}
     """Ratio of the time of each part of a frame to the time of the engine's step (see ``timing``), by trial id."""
     poses: Mapping[str, Mapping[str, str]] = {}
-    """Pose hashes from other processors than those of the records: by digest of the environment, then by trial id."""
+    """Pose hashes of trials on further processors: by digest of the environment, then by trial id."""
     traces: Mapping[str, str] = {}
     """Packed pose traces, by pose hash."""
     trials: Sequence[TrialRecord] = Field(min_length=1)

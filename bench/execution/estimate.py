@@ -1,9 +1,9 @@
 """Estimate the duration of a plan on this machine, from earlier trials in results folders and published folders.
 
-The estimate scales each earlier wall time by a ratio: the time of a fixed calculation (``bench.machine.calibration``)
-on this machine now, divided by the time of the same calculation before and after the earlier trial. Without one of the
-two times, the ratio is 1. The estimate for a trial is the median of the scaled wall times of the first of these sets
-that is not empty:
+The estimate scales each earlier wall time by the ratio of two times of a fixed calculation
+(``bench.machine.calibration``): the time on this machine now, over the time before and after the earlier trial. If
+either time is unknown, the ratio is 1. The estimate for a trial is the median of the scaled wall times of the first of
+these sets that is not empty:
 
 1. records of the same trial, of any version of the engine;
 2. trials with the same engine, profile, scene and policy: other seeds or repeats;

@@ -8,9 +8,9 @@ from pydantic import BaseModel, ConfigDict, Field
 class Tolerance(BaseModel):
     """Tolerances of the gates, for all trials of a scenario; a study may set these tolerances.
 
-    The outcome gate and the time gate apply the tolerances in every comparison of runs. On the same processor, two runs
-    of the same suite with the same version of an engine that repeats bit for bit have equal outcomes, so that their
-    outcomes need no tolerance. Frame times vary from run to run, so that the time gate always needs ``time_share``.
+    The outcome gate and the time gate apply the tolerances in every comparison of runs. An engine that repeats bit for
+    bit has equal outcomes in two runs of the same versions on the same processor. The outcomes of such runs need no
+    tolerance. Frame times vary from run to run, so that the time gate always needs ``time_share``.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -29,7 +29,7 @@ class Tolerance(BaseModel):
     Bullet."""
     creep_share: float = Field(default=0.5, ge=0)
     """Additionally tolerated increase of the creep, as a share of the base's creep. The defaults detect a doubled
-    creep if the base creeps faster than 2e-6 m/s, and tolerate the effect of another processor's rounding on a slow
+    creep if the base creeps faster than 2e-6 m/s. They tolerate the effect of another processor's rounding on a slow
     slide. A creep of the head whose interval includes zero is no increase."""
     time_share: float = Field(default=0.1, ge=0)
     """Least slowdown that counts, as a share of the base's time, because a smaller slowdown needs no attention."""

@@ -18,8 +18,8 @@ from scenarios.geometry import Boxes, resting_shift, side_by_side
 from scenarios.model import CLEARANCE, Action, Brick, Drive, Place, Press, Pull, Push, Remove, Scene, Tilt
 
 HOLD_S = 0.1
-"""Time before each push, press and pull of a brick from which the manipulator holds the brick [s], so that the
-extension unfreezes the brick first."""
+"""Time before each push, press and pull at which the manipulator begins to hold the brick [s], so that the extension
+unfreezes the brick first."""
 
 
 class Builder:

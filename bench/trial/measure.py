@@ -41,9 +41,9 @@ SINK_LIMIT = 0.5
 """Sink of a level relative to the level below, beyond which a brick of that level has sunk [thicknesses of the
 brick]."""
 DROP_LIMIT = 1.0
-"""Sink of a level relative to the level below, beyond which a brick of that level has dropped if it overlaps lower
-bricks and the ground by less than ``SINK_LIMIT`` [thicknesses of the brick], because a brick that sank so far without
-falling would overlap the level below by the same distance."""
+"""Sink of a level relative to the level below [thicknesses of the brick]. Beyond this sink, a brick of that level has
+dropped if it overlaps lower bricks and the ground by less than ``SINK_LIMIT``. A brick that sank so far without falling
+would overlap the level below by the same distance."""
 
 
 @dataclass(frozen=True, slots=True)

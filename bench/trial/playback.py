@@ -39,8 +39,12 @@ CREEP_SHARE = 0.5
 OnFrame: TypeAlias = Callable[
     [float, npt.NDArray[np.int64], FloatArray, FloatArray, Collection[int], Mapping[int, Brick]], None
 ]
-"""Type of a function that receives the time [s], the n bodies, their positions [m], shape (n, 3), their quaternions (w,
-x, y, z), shape (n, 4), the frozen bodies, and the bricks by body."""
+"""Type of a function that receives a frame:
+
+- the time [s] and the n bodies;
+- their positions [m], shape (n, 3), and their quaternions (w, x, y, z), shape (n, 4);
+- the frozen bodies, and the bricks by body.
+"""
 _ROUNDING_S = 1e-9
 """Bound on the rounding error of the simulated time at the end of a frame [s]."""
 

@@ -16,10 +16,10 @@ from scenarios.planks import THICKNESS
 
 LANDING_S = 0.9
 """Time after the release of its last brick at which a level counts as reached [s], multiplied by the pace of the scene.
-This time is slightly less than the second until the next brick, so that a level that falls when its last brick lands
+This time is slightly less than the second until the next brick. A level that falls when its last brick lands therefore
 does not count as reached."""
 AFTERMATH_S = 1.0
-"""Time for which a trial of standard planks continues after a collapse is first seen [s], so that the monitor can
+"""Time for which a trial of standard planks continues after the first frame of a collapse [s], so that the monitor can
 distinguish a topple from a slide. For thicker bricks the time increases with the square root of their thickness,
 because their falls take longer in this proportion."""
 
@@ -46,13 +46,13 @@ class Collapse:
     """Collapse of a stack."""
 
     time: float
-    """Simulated time at which the collapse was first seen [s]."""
+    """Simulated time at the end of the first frame of the collapse [s]."""
     level: int
-    """Number of complete levels placed when the collapse was first seen."""
+    """Number of complete levels placed in the first frame of the collapse."""
     kind: CollapseKind
-    """Kind of the collapse, which may change while the collapse is watched."""
+    """Kind of the collapse, which may change while the monitor watches the collapse."""
     aftermath_s: float
-    """Time for which the collapse is watched [s]."""
+    """Time for which the monitor watches the collapse [s]."""
 
 
 class StackMonitor:
