@@ -27,7 +27,8 @@ def read_baseline(path: Path) -> Baseline:
         raise BaselineError(str(error)) from error
     except ValidationError as error:
         raise BaselineError(
-            f"{path}: not a baseline of this suite: {first_error(error)}; create the file again with 'bench baseline'"
+            f"{path}: not a baseline of this suite: {first_error(error)}; create the file again with 'bench baseline', "
+            "or run the study again"
         ) from error
     seen: set[str] = set()
     for record in baseline.trials:
@@ -61,7 +62,7 @@ def replaced_baseline(path: Path) -> Baseline | None:
     """Return the baseline in the file that a new baseline replaces; None if there is no file.
 
     Raises:
-        BaselineError: if ``path`` is a folder or a file of another kind.
+        BaselineError: if ``path`` is a folder, a file of another kind, or a damaged file.
     """
     if path.is_dir():
         raise BaselineError(f"{path} must be a file, but is a folder: name a file with -o")
@@ -80,7 +81,8 @@ def write_baseline(baseline: Baseline, path: Path) -> None:
     """Write a baseline into a file atomically; replace no existing file other than a baseline.
 
     Raises:
-        BaselineError: if ``path`` is a folder, a file of another kind or not writable.
+        BaselineError: if ``path`` is a folder, a file of another kind, damaged or not writable; or if a pose trace is
+            unreadable.
     """
     replaced_baseline(path)
     try:

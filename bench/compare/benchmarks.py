@@ -10,9 +10,9 @@ ratio:
 
 For every k and every stack of an engine, "head against base" is the ratio of r_k of the head to r_k of the base.
 
-``timing.judge_times`` judges the interval of the mean of "head against base". A frame counts for at most ``MOST`` times
-the median of the frames with the same index in all seconds. This bound limits the effect of frames that the system
-interrupted.
+``timing.judge_times`` judges the interval of the geometric mean of "head against base". In a_k, a frame counts for at
+most ``MOST`` times the median of the frames with the same index in all seconds. This bound limits the effect of frames
+that the system interrupted.
 """
 
 from __future__ import annotations
@@ -158,7 +158,8 @@ def read_benchmarks(path: Path) -> FrameTimes:
     """Return the frame ratios of a file that pytest-benchmark wrote.
 
     Raises:
-        BaselineError: if the file contains no frame times, or is incomplete.
+        BaselineError: if the file contains no frame times with the extension, is unreadable or incomplete, or contains
+            a benchmark twice.
     """
     try:
         content = parse(read_file(path), str(path))
@@ -267,7 +268,11 @@ def _middle(ratios: FloatArray) -> float:
 
 
 def _ratios(path: Path, benchmark: _Benchmark) -> FloatArray:
-    """Return the frame ratio of each of the s whole seconds, shape (s,)."""
+    """Return the frame ratio of each of the s whole seconds, shape (s,).
+
+    Raises:
+        BaselineError: if the file has no times of rounds, or less than a second of frames with or without extension.
+    """
     info, times = benchmark.extra_info, np.array(benchmark.stats.data)
     if not len(times):
         raise BaselineError(
@@ -305,6 +310,6 @@ def _frame_benchmarks(content: Any) -> Iterator[Any]:
 def _first(error: Exception) -> str:
     """Return the first error without the text of the file, because that text is untrusted."""
     if not isinstance(error, ValidationError):
-        return "'benchmarks' is not a list of benchmarks"
+        return "'benchmarks' is missing, or is not a list of benchmarks with 'extra_info'"
     first = error.errors(include_url=False, include_input=False)[0]
     return f"field '{'.'.join(map(str, first['loc']))[:200]}': {first['msg']}"

@@ -64,7 +64,8 @@ def prepare(
         allow_dirty: True to accept uncommitted changes.
 
     Raises:
-        CheckoutError: if the version does not exist, has uncommitted changes, or has a package that uv cannot install.
+        CheckoutError: if the version does not exist; if uv cannot install a package; if the version has uncommitted
+            changes, and ``allow_dirty`` is False; or for a folder without an environment, or with ``packages``.
     """
     if (Path(version) / "bench" / "__main__.py").is_file():
         return _folder(version, packages, allow_dirty)
@@ -77,7 +78,8 @@ def checked_out(version: str, console: Console, *, allow_dirty: bool = False) ->
     """Return the cached checkout of a version, without an environment; create the checkout if necessary.
 
     Raises:
-        CheckoutError: if the version does not exist, or is the present commit and the checkout has uncommitted changes.
+        CheckoutError: if the version does not exist; or, without ``allow_dirty``, if the version is the present commit
+            and the checkout has uncommitted changes.
     """
     commit = call(
         version,
@@ -127,7 +129,12 @@ def prune_checkouts(console: Console) -> int:
 
 
 def _folder(version: str, packages: Sequence[str], allow_dirty: bool) -> Checkout:
-    """Return the checkout in a folder of the user, with the environment ``.venv`` of this folder."""
+    """Return the checkout in a folder of the user, with the environment ``.venv`` of this folder.
+
+    Raises:
+        CheckoutError: if ``packages`` is not empty; if the folder has no environment; or, without ``allow_dirty``, if
+            the folder has uncommitted changes.
+    """
     checkout = Checkout(version, Path(version).resolve(), Path(version).resolve() / ".venv" / "bin" / "python")
     if packages:
         raise CheckoutError(
@@ -144,10 +151,10 @@ def _folder(version: str, packages: Sequence[str], allow_dirty: bool) -> Checkou
 
 
 def _refuse_changes(version: str, folder: Path, why: str) -> None:
-    """Raise an error if tracked files have uncommitted changes."""
+    """Raise ``CheckoutError`` if tracked files have uncommitted changes."""
     changed = call(version, ["git", "status", "--porcelain", "--untracked-files=no"], folder).splitlines()
     if changed:
         raise CheckoutError(
             f"{version}: {folder} has {len(changed)} uncommitted changes, such as {changed[0][3:]!r}, and {why}: "
-            "commit or stash them, or add --allow-dirty"
+            "commit or stash them, or give 'bench compare' the option --allow-dirty"
         )

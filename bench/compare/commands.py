@@ -26,13 +26,13 @@ def call(name: str, command: Sequence[str], folder: Path, fix: str = "correct th
     """Return the output of a command.
 
     Args:
-        name: the side of the comparison for which the command runs, for messages.
+        name: the version, or the side of a comparison, for which the command runs, for messages.
         command: the program and its arguments.
         folder: working directory.
-        fix: what the user can do if the command fails.
+        fix: advice to the user, for the message about a failed command.
 
     Raises:
-        CheckoutError: if the command does not start, or fails; the message ends with its error output.
+        CheckoutError: if the command does not start, or if it fails; then the message ends with its error output.
     """
     environment = {key: value for key, value in os.environ.items() if key not in _INHERITED}
     try:
@@ -49,6 +49,6 @@ def call(name: str, command: Sequence[str], folder: Path, fix: str = "correct th
 
 
 def _reason(output: str) -> str:
-    """Return an error output as one line, from the last line "error: ..." on, without earlier warnings."""
+    """Return an error output as one line, from the last line "error: ..." on; all lines without such a line."""
     _, mark, last = ("\n" + output).rpartition("\nerror: ")
     return " ".join((last if mark else output).split())

@@ -129,7 +129,10 @@ def _trajectories(base: Baseline, head: Baseline, pairs: Sequence[Pair], across:
 
 
 def _times(base: Baseline, head: Baseline, pairs: Sequence[Pair], same_way: Collection[str]) -> Iterator[Finding]:
-    """Yield one finding for each engine, profile and part of a frame, over all trials with a reference part."""
+    """Yield one finding for each engine, profile, part of a frame and reference part.
+
+    For an engine and a profile without a reference part, the function yields one open finding.
+    """
     groups: dict[str, list[Pair]] = defaultdict(list)
     for base_trial, head_trial in pairs:
         if base_trial.trial in base.shares and head_trial.trial in head.shares:
@@ -176,7 +179,7 @@ def _tolerance(head: Baseline, record: TrialRecord) -> Tolerance:
 
 
 def _differences(base: Baseline, head: Baseline) -> Iterator[str]:
-    """Yield the differences between the two runs as a whole: processors, platforms, versions, commits and settings."""
+    """Yield the differences between the runs as a whole: processors, platforms, versions, commits, missing settings."""
     before, now = _circumstances(base), _circumstances(head)
     for what in dict.fromkeys([*before, *now]):
         was, are = (", ".join(sorted(side.get(what, {"unknown"}))) for side in (before, now))
@@ -185,7 +188,7 @@ def _differences(base: Baseline, head: Baseline) -> Iterator[str]:
 
 
 def _circumstances(side: Baseline) -> dict[str, set[str]]:
-    """Return the sets of processors, platforms, versions and commits of a side's machines, by name of the property."""
+    """Return the sets of processors, platforms, versions, commits and missing settings of a side, by property."""
     properties: dict[str, set[str]] = defaultdict(set)
     for machine in side.present_machines.values():
         properties["processor"].add(machine.processor)

@@ -75,6 +75,8 @@ def _on_other_processor(head: str, base: str) -> str:
 def _where_they_part(base: str, head: str, sides: tuple[Baseline, Baseline]) -> str:
     """Return the first difference of two trials as the end of a message: frame, body and values.
 
+    The text is empty if a side has no pose trace.
+
     Args:
         base: pose hash of the base.
         head: pose hash of the head.
@@ -92,6 +94,8 @@ def _where_they_part(base: str, head: str, sides: tuple[Baseline, Baseline]) -> 
 
 def _values(base: FloatArray | None, head: FloatArray | None) -> str:
     """Return the component with the greatest difference, with both values, as the end of a message.
+
+    If only the head is known, the text gives its position. Without a known head, the text is empty.
 
     Args:
         base: pose in the base (x, y, z [m], qw, qx, qy, qz), shape (7,); None if unknown. NaN or infinite if the world

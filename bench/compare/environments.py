@@ -44,7 +44,7 @@ def environment(name: str, pins: Sequence[str], console: Console, *, on: Sequenc
         on: packages of the shared environment to extend; empty for an environment that extends none.
 
     Raises:
-        CheckoutError: if uv cannot install a package.
+        CheckoutError: if uv cannot create the environment or install a package.
     """
     own = sorted(set(pins) - set(on))
     shared = environment("the suite", on, console) if on else None
@@ -74,7 +74,10 @@ def is_complete(pins: Sequence[str], on: Sequence[str] = ()) -> bool:
 
 
 def remove_environment(python: Path) -> None:
-    """Remove the environment of an interpreter; uv's cache keeps its packages."""
+    """Remove the environment of an interpreter, unless the environment is outside ``environments_folder``.
+
+    The cache of uv keeps the packages.
+    """
     folder = python.parents[2]
     if folder.parent == environments_folder():
         with FileLock(folder.with_suffix(".lock")):

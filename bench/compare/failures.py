@@ -21,7 +21,7 @@ _NO_RESULT: frozenset[Status] = FAILED | {"unsupported"}
 
 
 class SideFailedError(ValueError):
-    """A side in which no trial has a result; the message contains the first failure and the fix."""
+    """A side in which no trial has a result; the message contains an example and the fix."""
 
 
 def require_results(side: Baseline, name: str) -> None:
@@ -38,7 +38,7 @@ def require_results(side: Baseline, name: str) -> None:
         return
     first = _first(side.trials)
     raise SideFailedError(
-        f"{name}: all {len(side.trials)} trials failed, so that a comparison has no result; the first failure, "
+        f"{name}: none of the {len(side.trials)} trials has a result, so that a comparison has none; for example, "
         f"{plain(first.trial)}: {first.status}: {plain(first.message) or 'no message'}; correct this failure, or "
         "choose another version"
     )
@@ -50,7 +50,8 @@ def failed_engines(side: Baseline) -> dict[str, str]:
     for record in side.trials:
         groups[record.engine].append(record)
     return {
-        engine: f"all {len(records)} trials failed; the first: {first.status}: {first.message or 'no message'}"
+        engine: f"none of the {len(records)} trials has a result; the first failure: {first.status}: "
+        f"{first.message or 'no message'}"
         for engine, records in groups.items()
         if all(record.status in _NO_RESULT for record in records) and (first := _first(records)).status in FAILED
     }

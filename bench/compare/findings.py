@@ -10,8 +10,8 @@ from typing import Literal, TypeAlias, get_args
 from scenarios.lookup import look_up
 
 Gate: TypeAlias = Literal["outcome", "hash", "time"]
-"""Name of a gate: ``outcome`` judges verdicts and levels, ``hash`` judges poses bit for bit, ``time`` judges parts of a
-frame."""
+"""Name of a gate: ``outcome`` judges verdict, levels, sink and creep, ``hash`` judges poses bit for bit, ``time``
+judges parts of a frame."""
 Judgement: TypeAlias = Literal["worse", "changed", "better", "same", "open"]
 """Result of a gate. ``open`` means that the gate cannot decide, for the reason in the finding's message; such a
 finding is neither a pass nor an alarm."""
@@ -35,7 +35,7 @@ class Finding:
     """The difference, the ratio of times, or the reason for which the gate could not decide; empty for the same outcome
     or the same poses."""
     base: str = ""
-    """Values of the base, to show beside those of the head; empty if the message has all."""
+    """Values of the base, to show beside the values of the head; empty if the message contains all values."""
     head: str = ""
     """Values of the head."""
 

@@ -36,7 +36,7 @@ def run_interleaved(
 
     Raises:
         CheckoutError: if a side cannot run the study.
-        BaselineError: if a run of a side has no records.
+        BaselineError: if a run of a side has no records, or an invalid file.
         SideFailedError: if no trial of a run has a result.
     """
     out.mkdir(parents=True, exist_ok=True)

@@ -45,7 +45,9 @@ def judge_draws(
 ) -> tuple[Judgement, str]:
     """Judge repeats of an engine that does not repeat bit for bit; return the judgement and its reasons.
 
-    The head is worse (better) only if each trial of the head is worse (better) than each trial of the base.
+    The head is worse (better) only if each trial of the head is worse (better) than each trial of the base. If a side
+    then has fewer than ``LEAST_REPEATS`` repeats, the judgement is ``open``. If two pairs of trials have different
+    judgements, the judgement is ``same``.
     """
     judged = [judge_outcome(was, now, tolerance) for was, now in product(base, head)]
     kinds = {judgement for judgement, _ in judged}
@@ -137,7 +139,8 @@ def _certain_creep(record: TrialRecord) -> float | None:
 def _fall_error(record: TrialRecord) -> int:
     """Return the absolute difference [levels] between the collapse level and the level that theory demands.
 
-    For a standing stack, the collapse level is the level above the last level of the stack.
+    For a stack that did not fall, the collapse level is the level above the last level of the stack. The same level
+    replaces the demanded level if theory demands no fall.
     """
     beyond = record.levels_planned + 1
     falls_at = beyond if record.collapse_level is None else record.collapse_level

@@ -29,7 +29,7 @@ _ASIDE = (
 
 
 def headline(comparison: Comparison, fail_on: Collection[Gate]) -> str:
-    """Summarise the comparison in one line: the alarms by gate, or the gates without a decision."""
+    """Summarise the comparison in one line: the alarms by gate, or the gates without a decision and missing trials."""
     alarms = comparison.alarms(fail_on)
     if alarms:
         counts = ", ".join(

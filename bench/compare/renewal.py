@@ -23,7 +23,8 @@ class Renewal(NamedTuple):
 def renewed(new: Baseline, former: Baseline) -> Renewal:
     """Return ``new`` with the pose hashes of ``former`` that other processors still have to reproduce.
 
-    The function keeps a trial's pose hash of another processor in two cases, if the version of the engine is the same:
+    The function considers only trials of engines that repeat bit for bit across processes. It keeps a trial's pose hash
+    of another processor in two cases, if the version of the engine is the same:
 
     - both baselines have pose hashes of the trial on common processors, and these pose hashes are equal;
     - the baselines have no such processor in common, and both runs have the same sources, Python and packages.

@@ -51,7 +51,8 @@ def pinned(
         build: False to accept wheels only.
 
     Raises:
-        CheckoutError: if no versions satisfy all requirements.
+        CheckoutError: if no versions satisfy all requirements, a chosen package is invalid, or the lock file is not up
+            to date.
     """
     engines = sorted(set(engines))
     project = tomllib.loads((suite / "pyproject.toml").read_text(encoding="utf-8"))

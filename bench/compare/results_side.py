@@ -27,7 +27,7 @@ def read_folder(folder: Path) -> Baseline:
 
     Raises:
         BaselineError: if the folder has no trials, or contains an invalid file.
-        JsonError, RecordError: if a record or an environment is invalid.
+        JsonError, RecordError: if a record or an environment is invalid, or a file is unreadable.
     """
     path = folder / TRIALS
     content = read_file(path)
@@ -116,7 +116,7 @@ def _machines(folder: Path) -> dict[str, Machine]:
 
 
 def _shares(folder: Path, records: Sequence[TrialRecord]) -> dict[str, dict[Part, float]]:
-    """Return ``Baseline.shares`` for the trials with recorded frames."""
+    """Return ``Baseline.shares`` for the trials with the core that have recorded frames."""
     kept = {path.stem: path for path in (folder / "frames").glob("*.parquet")}
     by_trial = {}
     for record in records:

@@ -69,7 +69,7 @@ class Baseline(_Model):
     shares: Mapping[str, Mapping[Part, Annotated[float, Field(gt=0)]]] = {}
     """Ratio of the time of each part of a frame to the time of the engine's step (see ``timing``), by trial id."""
     poses: Mapping[str, Mapping[str, str]] = {}
-    """Pose hashes from other processors than those of the records: by digest of the environment, then by trial id."""
+    """Pose hashes of trials on further processors: by digest of the environment, then by trial id."""
     traces: Mapping[str, str] = {}
     """Packed pose traces, by pose hash."""
     trials: Sequence[TrialRecord] = Field(min_length=1)
@@ -114,7 +114,8 @@ class Baseline(_Model):
             return None if text is None else unpacked(text)
         except PoseTraceError as error:
             raise BaselineError(
-                f"pose hash {pose_hash}: {error}; create the baseline again with 'bench baseline'"
+                f"pose hash {pose_hash}: {error}; run the study again, or create the baseline again with 'bench "
+                "baseline'"
             ) from error
 
     def with_trace_files(self, files: Mapping[str, Path]) -> Baseline:

@@ -1,4 +1,4 @@
-"""Parse untrusted JSON; reject text with non-finite numbers, duplicate keys, or more than ``MOST_BYTES``."""
+"""Read and parse untrusted JSON; reject NaN, Infinity, duplicate keys, and files larger than ``MOST_BYTES``."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def parse(content: bytes, source: str) -> Any:
         source: name of the file, for error messages.
 
     Raises:
-        JsonError: if ``content`` is not JSON in UTF-8, nests too deeply, or contains NaN, infinity or a duplicate key.
+        JsonError: if ``content`` is not JSON in UTF-8, nests too deeply, or contains NaN, Infinity or a duplicate key.
     """
     try:
         return json.loads(content.decode("utf-8"), object_pairs_hook=_without_twins, parse_constant=_refuse)

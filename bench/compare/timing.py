@@ -27,8 +27,8 @@ from bench.compare.findings import Judgement
 from reports.records.frames import UNTIMED_FRAMES, FrameRow
 
 Part: TypeAlias = Literal["engine", "readback", "core"]
-"""Part of a frame: the engine's step, the reading of contacts, or the core. Freezing and unfreezing are no parts,
-because they are too rare to judge."""
+"""Part of a frame: the engine's step, the reading of contacts and masses, or the core. Freezing and unfreezing are no
+parts, because they are too rare to judge."""
 PARTS: tuple[Part, ...] = get_args(Part)
 """All parts of a frame."""
 LEAST_PAIRS = 3
@@ -60,7 +60,8 @@ def shares(rows: Sequence[FrameRow], timed_frames: int) -> dict[Part, float]:
         timed_frames: number of timed frames, which follow the first ``UNTIMED_FRAMES``.
 
     Returns:
-        The ratios by part; empty for a trial without an extension or with fewer than ``_LEAST_FRAMES`` timed frames.
+        The ratios by part; empty with fewer than ``_LEAST_FRAMES`` timed frames, or if a time is zero or unknown, as in
+        a trial without an extension.
     """
     timed = rows[UNTIMED_FRAMES : UNTIMED_FRAMES + timed_frames]
     columns = [(row.engine_ms, row.readback_ms, row.core_ms) for row in timed]

@@ -18,10 +18,11 @@ _POLL_S = 0.5
 
 
 class CompileBar(AbstractContextManager["CompileBar"]):
-    """Progress bar that appears with the first compiled kernel; at the end, one line replaces the bar.
+    """Progress bar, which appears with the first kernel that another process adds to Numba's cache.
 
-    A thread counts the kernels in Numba's cache, because another process compiles the kernels. Without a terminal no
-    bar appears, because the core then logs the time of the compilation.
+    A thread counts the kernels in the cache. At the end without an error, a line with number and time replaces the bar.
+    Without a terminal no bar appears, because the core then logs the time of the compilation. If Numba cannot cache a
+    kernel, a message replaces the bar.
     """
 
     def __init__(self, console: Console) -> None:
@@ -80,13 +81,13 @@ class CompileBar(AbstractContextManager["CompileBar"]):
 
 
 def kernels_cached() -> int:
-    """Return the number of the core's kernels in Numba's cache."""
+    """Count the core's kernels that have an index file of any version in Numba's cache."""
     folders = {Path(kernel.stats.cache_path) for kernel in KEPT}
     cached = {index.name.partition("-")[0] for folder in folders for index in folder.glob("*.nbi")}
     return sum(_index_name(kernel) in cached for kernel in KEPT)
 
 
 def _index_name(kernel: object) -> str:
-    """Return the start of the name of a kernel's cache file: the kernel's module and function."""
+    """Return the start of the name of a kernel's index file: the last part of the module's name, and the function."""
     function = kernel.py_func  # type: ignore[attr-defined]
     return f"{function.__module__.rpartition('.')[2]}.{function.__qualname__}"

@@ -2,6 +2,7 @@
 
 The user starts scheduler and workers with Dask's commands (``dask scheduler``, ``dask worker``) from the same checkout.
 A worker runs as many trials at a time as it has threads. Dask runs the trials of a lost worker again on another worker.
+A trial gets the status crashed if it loses more workers than Dask's setting ``distributed.scheduler.allowed-failures``.
 """
 
 from __future__ import annotations
@@ -33,17 +34,17 @@ from bench.trial.run_trial import Outcome, bare_record
 CONNECT_S = 10
 """Greatest time to wait for the answer of a scheduler [s]."""
 _POLL_S = 0.2
-"""Interval of the checks for an interruption [s]."""
+"""Interval of the checks for outcomes, for an interruption and for a lost scheduler [s]."""
 _DECISIVE = ("python", "packages", "lock_sha256", "sources", "settings", "engines")
 """Properties of an environment that must be the same on every worker, so that a trial has one outcome everywhere."""
 
-_LOST = "the client lost the Dask scheduler: start the scheduler again, then repeat the command to continue"
+_LOST = "the client lost the Dask scheduler: start the scheduler again, then continue with --out and the results folder"
 """Message of the error after the loss of the scheduler."""
 
 _at_work: dict[str, set[IsolatedTrial]] = {}
 """Running trials of this worker, by the name of their run."""
 _preparing = threading.Lock()
-"""Lock held while a thread of this worker starts the fork server."""
+"""Lock that each thread of this worker holds while the thread starts the fork server."""
 
 
 class Order(NamedTuple):
@@ -62,19 +63,21 @@ class Order(NamedTuple):
 
 
 class RemoteOutcome(NamedTuple):
-    """Outcome of a trial, with the environment of the worker that ran the trial."""
+    """Outcome of a trial, with its environment."""
 
     outcome: Outcome
     environment: Mapping[str, Any]
-    """Environment of the worker; its digest is in the record."""
+    """Environment whose digest is in the record: of the worker, or of the client if the trial lost its workers."""
 
 
 @contextmanager
 def connected(address: str) -> Iterator[Client]:
-    """Yield a connection to the scheduler at ``address``, such as ``tcp://10.0.0.1:8786``; silence Dask's log.
+    """Yield a connection to the scheduler at ``address``, such as ``tcp://10.0.0.1:8786``.
+
+    From then on, the log of Dask contains only critical messages.
 
     Raises:
-        ClusterError: if no scheduler answers within ``CONNECT_S``.
+        ClusterError: if the address is invalid, or no scheduler answers within ``CONNECT_S``.
     """
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # its tracebacks would repeat the ClusterErrors
     try:
@@ -98,7 +101,9 @@ def run_on_cluster(
     observer: Observer,
     stopped: Callable[[], bool] = lambda: False,
 ) -> Iterator[RemoteOutcome]:
-    """Yield outcomes in the order in which trials finish; end the running trials when the caller stops.
+    """Yield outcomes in the order in which trials finish.
+
+    If the iteration ends early and the scheduler still answers, the function ends the running trials.
 
     Args:
         client: connection to the scheduler.
@@ -106,12 +111,13 @@ def run_on_cluster(
         limits: limits of a trial.
         engines: engines whose modules the workers load.
         core_policies: policies for which the workers compile the core.
-        environment: environment of this process; the function refuses workers with other code or engines.
+        environment: environment of this process, with the values that each worker must have too.
         observer: object that receives the progress.
         stopped: function that returns True to end the run early, without outcomes of the running trials.
 
     Raises:
-        ClusterError: if a worker runs another checkout, or the client loses the scheduler.
+        ClusterError: if a worker has other code, packages or engines than the client; if a worker cannot run a trial;
+            or if the client loses the scheduler.
     """
     decisive = {name: environment[name] for name in _DECISIVE}
     order = Order(uuid.uuid4().hex, tuple(engines), tuple(core_policies), limits, decisive)
@@ -145,7 +151,7 @@ def _result(future: Future[RemoteOutcome], trial: Trial, environment: Mapping[st
     try:
         return future.result()
     except KilledWorker as error:
-        message = f"{error.allowed_failures + 1} workers were lost while they ran the trial"
+        message = f"Dask lost {error.allowed_failures + 1} workers with this trial; see the logs of the workers"
         record = bare_record(trial, trial.planned_scene(), digest(environment), "crashed", message)
         return RemoteOutcome(Outcome(record, []), environment)
     except ClusterError:
@@ -155,12 +161,17 @@ def _result(future: Future[RemoteOutcome], trial: Trial, environment: Mapping[st
     except Exception as error:  # a trial never raises, so the worker failed to load the code
         why = f"{type(error).__name__}: {error}"
         raise ClusterError(
-            f"a worker must run trial {trial.id}, but failed ({why}): start the workers again from the same checkout"
+            f"a worker must run trial {trial.id}, but failed ({why}): remove the cause, and start the workers again "
+            "from the same checkout"
         ) from error
 
 
 def _run_trial(trial: Trial, order: Order) -> RemoteOutcome:
-    """Run one trial in its own process, as a task of a worker."""
+    """Run one trial in its own process, as a task of a worker.
+
+    Raises:
+        ClusterError: if this worker has other code, packages or engines than the client.
+    """
     environment = _environment(order.engines)
     different = [name for name in _DECISIVE if environment[name] != order.decisive[name]]
     if different:

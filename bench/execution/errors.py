@@ -1,5 +1,5 @@
-"""Errors of execution, shared by the command line and the code for clusters."""
+"""The error that the command line and the code for clusters share."""
 
 
 class ClusterError(ValueError):
-    """A cluster that cannot run the study; the message names the fix."""
+    """Error of a run on a cluster; the message names the fix."""

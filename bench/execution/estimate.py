@@ -1,19 +1,20 @@
 """Estimate the duration of a plan on this machine, from earlier trials in results folders and published folders.
 
-The estimate scales each earlier wall time by a ratio: the time of a fixed calculation (``bench.machine.calibration``)
-on this machine now, divided by the time of the same calculation before and after the earlier trial. The estimate is the
-median of the scaled wall times over the first of these sets that is not empty:
+The estimate scales each earlier wall time by the ratio of two times of a fixed calculation
+(``bench.machine.calibration``): the time on this machine now, over the time before and after the earlier trial. If
+either time is unknown, the ratio is 1. The estimate for a trial is the median of the scaled wall times of the first of
+these sets that is not empty:
 
-1. records of the same trial;
-2. trials with the same engine, profile, scene and policy: other seeds, or an earlier version of the engine;
-3. trials with the same engine, scene and use of the stability core (used or not);
+1. records of the same trial, of any version of the engine;
+2. trials with the same engine, profile, scene and policy: other seeds or repeats;
+3. trials with the same engine, scene and use of an extension (the stability core or joints, against none);
 4. trials with the same engine and scene;
-5. trials with the same engine, profile and use of the stability core;
-6. trials with the same engine and use of the stability core;
-7. trials with the same use of the stability core;
+5. trials with the same engine, profile and use of an extension;
+6. trials with the same engine and use of an extension;
+7. trials with the same use of an extension;
 8. all trials.
 
-For sets 5 to 8, the estimate uses the wall time per level and simulated second.
+For sets 5 to 8, the estimate uses the wall time per level and simulated second, and is at least ``LEAST_S``.
 """
 
 from __future__ import annotations
@@ -38,13 +39,13 @@ START_MS = 0.125
 RUN_S = 4.0
 """Time to start a run [s], which loads engines and harness once."""
 LEAST_S = 0.2
-"""Least wall time of a trial that is estimated from other scenes [s], because opening an engine takes that long."""
+"""Least estimate of a wall time from other scenes or engines [s], because an engine takes that long to open."""
 
 MOST_LISTED = 3
 """Greatest number of folders of one parent that a summary lists by name."""
 
 Source: TypeAlias = Literal["same", "similar", "guessed"]
-"""Origin of an estimated time: the same trial, trials of the same engine and scene, or trials of other scenes."""
+"""Origin of an estimated time: the same trial, trials of the same engine and scene, or other scenes or engines."""
 Setting: TypeAlias = PastTrial | Trial
 """An earlier trial, or a trial to estimate."""
 
@@ -60,13 +61,13 @@ class Estimate:
     similar: int
     """Number of trials estimated from other trials of the same engine and scene."""
     guessed: int
-    """Number of trials estimated from other scenes."""
+    """Number of trials estimated from other scenes or engines."""
     unknown: int
     """Number of trials without an estimate."""
     limit_s: float
     """Longest possible time of a trial without an estimate [s]."""
     folders: Sequence[Path]
-    """Results folders from which the times come."""
+    """Folders with an earlier trial of a wanted engine and scene; without such a folder, all folders with trials."""
 
     def summary(self, jobs: int) -> str:
         """Return the estimate as text, for ``jobs`` concurrent trials."""
@@ -77,7 +78,7 @@ class Estimate:
         counts = {
             "from the same trials": self.same,
             "from other trials of their engine and scene": self.similar,
-            "from other scenes": self.guessed,
+            "from other scenes or engines": self.guessed,
         }
         source = ", ".join(f"{number} {words}" for words, number in counts.items() if number)
         folders = _listed(self.folders)
@@ -122,7 +123,7 @@ def estimate(
 
 
 class _Known:
-    """Scaled wall times of earlier trials, by the keys in ``_KEYS`` and ``_RATE_KEYS``."""
+    """Scaled wall times by the keys in ``_KEYS``, and wall times per level and second by the keys in ``_RATE_KEYS``."""
 
     def __init__(self, past: Sequence[PastTrial], calibration_ms: float | None) -> None:
         self._times: dict[Hashable, list[float]] = defaultdict(list)
@@ -181,7 +182,7 @@ _RATE_KEYS: tuple[Callable[[Setting], Hashable], ...] = (
 
 
 def _listed(folders: Sequence[Path]) -> str:
-    """Return the folders as text; for more than ``MOST_LISTED`` folders of one parent, only the number of folders."""
+    """Return the folders as text; for more than ``MOST_LISTED`` folders of one parent, only their number and parent."""
     by_parent = Counter(folder.parent for folder in folders)
     few = [str(folder) for folder in folders if by_parent[folder.parent] <= MOST_LISTED]
     many = [

@@ -30,9 +30,10 @@ def outcomes_here(
     *,
     viewer: str | None = None,
 ) -> Iterator[Outcome]:
-    """Run ``jobs`` of the ``trials`` at a time and yield their outcomes; an interruption ends all running trials.
+    """Run the ``trials`` on this machine, ``jobs`` at a time, and yield their outcomes.
 
-    The viewer of Rerun at the address ``viewer`` shows the running trials; None means that there is no viewer.
+    An interruption ends the running trials and the fork server. The viewer of Rerun at the address ``viewer`` shows the
+    running trials; None means that there is no viewer.
     """
     core_policies = _core_policies(study)
     try:
@@ -61,10 +62,11 @@ def outcomes_on_cluster(
 ) -> Iterator[Outcome]:
     """Yield the outcomes of ``trials`` in the order in which workers finish the trials.
 
-    The function calls ``know`` with the environment of the worker before each outcome.
+    Before each outcome, the function calls ``know`` with the environment whose digest is in the record.
 
     Raises:
-        ClusterError: if no scheduler answers, the client loses the scheduler, or a worker runs another checkout.
+        ClusterError: if no scheduler answers; if the client loses the scheduler; if a worker has other code, packages
+            or engines than the client; or if a worker cannot run a trial.
     """
     from bench.execution.dask import connected, run_on_cluster  # its import takes 0.5 s; only a cluster needs it
 

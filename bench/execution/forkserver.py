@@ -22,9 +22,9 @@ from pebble.concurrent import process
 from adapters import ENGINES
 
 WANTED_POLICIES = "STILLSTACK_CORE_POLICIES"
-"""Name of the environment variable with the policies to compile, because the server takes no arguments."""
+"""Environment variable with the policies to compile, separated by commas, because the server takes no arguments."""
 CORE_LOG = "STILLSTACK_CORE_LOG"
-"""Name of the environment variable with the lowest level of messages that the core logs in the server."""
+"""Environment variable with the lowest level of messages that the core logs in the server."""
 
 
 class _Popen(popen_forkserver.Popen):
@@ -49,13 +49,15 @@ class _Context(context.ForkServerContext):
 
 
 CONTEXT = _Context()
-"""Replacement for ``multiprocessing.get_context("forkserver")``."""
+"""Replacement for ``multiprocessing.get_context("forkserver")``, with the lock around the read of exit statuses."""
 
 
 def start_server(
     engines: Sequence[str], core_policies: Sequence[str], *, reads_contacts: bool = False, core_log: str = "WARNING"
 ) -> None:
-    """Start the fork server; Ctrl-C in the terminal interrupts neither the server nor the trials.
+    """Start the fork server, so that Ctrl-C in the terminal interrupts neither the server nor the trials.
+
+    A server that already runs stays as it is.
 
     Args:
         engines: engines whose modules the server loads.
@@ -83,7 +85,7 @@ def await_server() -> None:
 
 
 def stop_everything() -> None:
-    """End the server and every running trial."""
+    """Kill all descendants of this process, among them the server and every running trial."""
     for child in psutil.Process().children(recursive=True):
         try:
             child.kill()
@@ -92,7 +94,7 @@ def stop_everything() -> None:
 
 
 def in_process(function: Callable[..., Any], timeout_s: float | None) -> Callable[..., Any]:
-    """Wrap ``function`` to run in a new process.
+    """Return a function that runs ``function`` in a new process and returns the future of the result.
 
     The library pebble ends the process after ``timeout_s`` [s]; None sets no limit.
     """

@@ -21,9 +21,9 @@ from bench.trial.run_trial import Outcome
 from reports.records.trial import TrialRecord
 
 _POLL_S = 0.2
-"""Interval of the checks for progress and interruptions [s]."""
+"""Greatest interval between checks for progress and interruptions [s]."""
 _CALM_S = 0.2
-"""Duration of the measurement of the load of all processor cores [s], which finds idle cores."""
+"""Time over which the harness measures the load of each processor core [s], to find idle cores."""
 
 
 class Observer(Protocol):
@@ -49,13 +49,15 @@ def run_trials(
     *,
     viewer: str | None = None,
 ) -> Iterator[Outcome]:
-    """Yield outcomes in the order in which trials finish; end the running trials when the caller stops.
+    """Yield outcomes in the order in which trials finish.
+
+    If the iteration ends early, the function ends the running trials.
 
     Args:
         trials: the trials to run.
         limits: limits of a trial.
         environment: digest of the environment, for the records.
-        jobs: number of concurrent trials; more than 1 disturbs the timings.
+        jobs: greatest number of concurrent trials; more than 1 disturbs the timings.
         observer: object that receives the progress.
         stopped: function that returns True to end the run early, without outcomes of the running trials.
         viewer: address of the viewer of Rerun that shows the trials; None without a viewer.
@@ -90,9 +92,9 @@ def run_trials(
 def _cores(jobs: int) -> list[int | None]:
     """Return a processor core for each concurrent trial, the core with the lowest load last.
 
-    All trials of a study use the same cores, so that the caches of these cores keep their data. If there are fewer
-    cores than ``jobs``, or the system does not support affinity, all entries are None, and the system chooses the
-    cores.
+    All trials of a call of ``run_trials`` use these cores, so that the caches of the cores keep their data. If this
+    process may use fewer cores than ``jobs``, or the system does not support affinity, all entries are None. The system
+    then chooses the cores.
     """
     allowed = allowed_cores()
     if jobs > len(allowed) or not hasattr(os, "sched_setaffinity"):

@@ -22,7 +22,7 @@ COLUMNS = (
 
 
 class PastTrial(NamedTuple):
-    """Fields of an earlier trial that an estimate needs."""
+    """Earlier trial, reduced to the fields that an estimate needs."""
 
     trial: str
     """Id of the trial."""
@@ -35,15 +35,15 @@ class PastTrial(NamedTuple):
     wall_s: float
     """Wall time [s]."""
     calibration_ms: float | None
-    """Time of the fixed calculation before and after the trial [ms]; the median over the folder if the trial has no
-    such time; None if no trial of the folder has such a time."""
+    """Time of the fixed calculation before and after the trial [ms]; if unknown, the median over the trials of the
+    folder; None if the time is unknown for all trials of the folder."""
 
 
 def past_trials(folder: Path) -> list[PastTrial]:
-    """Return the readable trials of a folder with a known wall time.
+    """Return the trials of a folder that are readable and have a known wall time.
 
-    The result is empty for a published folder whose environment file marks the times as disturbed. An unsupported trial
-    without a wall time counts with a wall time of 0 s.
+    The result is empty if the environment file of the folder marks the times as disturbed. An unsupported trial without
+    a wall time counts with a wall time of 0 s.
     """
     if not ResultsFolder(folder).environment.get("timed", True):
         return []  # its trials disturbed each other's times
@@ -75,7 +75,10 @@ def _known(value: object) -> bool:
 
 
 def _rows(folder: Path) -> Iterator[Mapping[str, Any]]:
-    """Yield the readable rows; skip other rows without an error, because an estimate does not need every row."""
+    """Yield the readable rows; skip all others without an error, because an estimate does not need every row.
+
+    The function reads ``TRIALS`` or, if this file does not exist, ``PARQUET``.
+    """
     try:
         if (folder / TRIALS).exists():
             with (folder / TRIALS).open(encoding="utf-8", errors="replace") as lines:

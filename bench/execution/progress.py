@@ -59,7 +59,7 @@ class LiveProgress(AbstractContextManager["LiveProgress"]):
         self._bars.update(self._trials[trial.id], completed=progress.level, total=progress.levels, note=note)
 
     def finished(self, trial: Trial, record: TrialRecord) -> None:
-        """Remove the trial's line, and count its status in the bar of its engine."""
+        """Remove the trial's line, count its status in the bar of its engine, and print an unexpected status."""
         self._bars.remove_task(self._trials.pop(trial.id))
         ends = self._ends[trial.engine]
         ends[record.status] += 1
@@ -88,7 +88,7 @@ class PlainProgress(AbstractContextManager["PlainProgress"]):
         """Do nothing, because ``finished`` prints the trial."""
 
     def finished(self, trial: Trial, record: TrialRecord) -> None:
-        """Print the trial's status, levels and wall time [s]."""
+        """Print the trial's status, levels and wall time [s], and the message of an unexpected status."""
         self._finished += 1
         how = f"{record.status}, {record.height_levels} of {record.levels_planned} levels"
         seconds = "" if record.wall_s is None else f", {record.wall_s:.1f} s"
@@ -107,7 +107,7 @@ def show_progress(trials: Sequence[Trial], console: Console) -> LiveProgress | P
 
 
 def _counts(ends: Counter[str]) -> str:
-    """Return the count of each status as text; omit timeouts and unsupported trials if their count is zero."""
+    """Return the numbers of completed, collapsed and failed trials as text, then other numbers that are not zero."""
     failed = sum(ends[status] for status in _FAILED)
     rare = [
         f"{ends[status]} {name}" for status, name in (("timeout", "timed out"), ("unsupported", "n/a")) if ends[status]

@@ -32,13 +32,13 @@ SESSIONS = "sessions"
 """Key of the list of sessions in the environment file: the state of the machine at each start of the run."""
 _LOCK = ".lock"
 _PARTS = (STUDY, ENVIRONMENT, TRIALS, FRAMES, RECORDINGS, TRACES, REPORT)
-"""Files and folders of a run."""
+"""Names of the files and folders of a run, except the lock and the files of further environments."""
 _NAMES = {"lock_sha256": "uv.lock", "modified": "uncommitted changes", "core": "stability_core"}
 """Plain names for keys of the environment, for messages."""
 
 
 class ResultsError(ValueError):
-    """A folder that cannot take results; the message names the fix."""
+    """Error for a folder that cannot take results; the message names the fix."""
 
 
 def check_folder(folder: Path) -> None:
@@ -57,7 +57,10 @@ def check_folder(folder: Path) -> None:
 def changes(folder: Path, study: Study, environment: Mapping[str, Any]) -> list[str]:
     """Return the names of the properties that differ between this run and the earlier run in ``folder``.
 
-    The list is empty if the folder has no trials.
+    The list is empty if the folder has no trials. It contains "study" if the earlier study is not readable.
+
+    Raises:
+        EngineNotInstalledError: if the package of an engine of the earlier study is missing.
     """
     if not (folder / TRIALS).exists():
         return []
@@ -84,7 +87,7 @@ def missing_trials(folder: Path, records: Sequence[TrialRecord]) -> list[str]:
 
 
 class Results:
-    """Results folder that receives the outcomes of a run one by one; a lock prevents a second run in the folder."""
+    """Results folder that receives the outcomes of a run one by one, with a lock against a second run in the folder."""
 
     def __init__(
         self,
@@ -108,6 +111,8 @@ class Results:
         Raises:
             ResultsError: if this process cannot write into the folder; if another run uses the folder; or, without
                 ``accept_changes``, if the trials in the folder belong to another study or environment.
+            EngineNotInstalledError: if the package of an engine of the study in the folder is missing.
+            RecordError: if a complete line of the records is not a record.
         """
         check_folder(folder)
         folder.mkdir(parents=True, exist_ok=True)
@@ -157,7 +162,7 @@ class Results:
         return set(self.statuses)
 
     def know(self, environment: Mapping[str, Any]) -> None:
-        """Write the environment of another machine to a file with the environment's digest in its name."""
+        """Write the environment of another machine to a file with its digest in the name, if there is no such file."""
         file = self.folder / f"environment-{digest(environment)}.json"
         if digest(environment) != self._environment and not file.exists():
             write_atomic(file, (json.dumps(environment, indent=2) + "\n").encode())
@@ -200,7 +205,7 @@ def _kept_environment(folder: Path) -> dict[str, Any]:
 
 
 def _put_aside(folder: Path) -> None:
-    """Put the digest that the earlier trials record into the name of their environment file."""
+    """Put the digest that the earlier trials record into the name of their environment file, if it is readable."""
     kept = _kept_environment(folder)
     if kept:
         name = digest({key: value for key, value in kept.items() if key != SESSIONS})

@@ -12,7 +12,7 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 class Interruption(AbstractContextManager["Interruption"]):
-    """Context in which the first signal to stop only sets ``signal``, and later signals change nothing."""
+    """Context in which the first signal to stop sets ``signal``, and later signals change nothing."""
 
     def __init__(self) -> None:
         self.signal: int | None = None
@@ -36,7 +36,7 @@ class Interruption(AbstractContextManager["Interruption"]):
 
     @property
     def exit_status(self) -> int:
-        """Exit status of a program that ``signal`` has stopped."""
+        """Exit status of a program that ``signal`` has stopped: 128 plus ``signal``; 128 without a signal."""
         return 128 + (self.signal or 0)
 
     @contextmanager

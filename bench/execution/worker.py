@@ -1,7 +1,7 @@
 """Run one trial in a new process, so that an engine's crash ends this trial only.
 
-The fork server (``forkserver``) forks the process. Therefore a trial starts in tens of milliseconds, and shares no
-state with other trials. It runs the code that was on disk when the server started.
+The fork server (``forkserver``) forks the process, so that the process need not load the modules again. No trial sees
+changes that another trial makes in memory.
 """
 
 from __future__ import annotations
@@ -41,11 +41,14 @@ _ATTEND_S = 0.1
 _REPORT_S = 0.25
 """Least interval between progress messages [s], so that the messages do not disturb the timing."""
 _MOST_OUTPUT = 2**24
-"""Greatest size of the output of a trial's process [bytes], so that an engine cannot fill the disk."""
+"""Greatest size of a file that a trial's process writes [bytes], so that an engine cannot fill the disk."""
 _TAIL = 2**16
 """Length of the end of the output in which the harness searches for an error message [bytes]."""
 _MEBI = 2**20
-_HUNG = "the engine hung and was stopped; its progress is unknown"
+_HUNG = (
+    "the engine hung, and the harness stopped the trial; if a step only needs longer, raise 'trial_wall_s' in the "
+    "study's [limits]"
+)
 
 
 class IsolatedTrial:
@@ -130,7 +133,7 @@ class IsolatedTrial:
         except TimeoutError:
             return self._lost("timeout", _HUNG)
         except MemoryError:
-            return self._lost("out_of_memory", "the process ran out of memory")
+            return self._lost("out_of_memory", "the process ran out of memory; run fewer jobs at a time")
         except Exception as error:  # an error of the harness ends this trial, not the run
             return self._lost("error", f"harness: {type(error).__name__}: {error}")
         finally:
@@ -208,7 +211,10 @@ def _end_with_parent() -> None:
 
 
 def _send_output_to(log: Path) -> None:
-    """Redirect the output of engines to a file, so that the output stays off the terminal and survives a crash."""
+    """Redirect the output of this process to a file, so that the output stays off the terminal and survives a crash.
+
+    The function also limits the size of files, and turns off core dumps.
+    """
     with log.open("w", encoding="utf-8") as file:
         os.dup2(file.fileno(), 1)
         os.dup2(file.fileno(), 2)
@@ -226,7 +232,10 @@ def _ending(exitcode: int | None) -> str:
 
 
 def _last_words(log: Path) -> str:
-    """Return the last line "Fatal Python error" that a crashed process printed; else the last line of the output."""
+    """Return the last line of the output that starts with "Fatal Python error"; else the last line that is not blank.
+
+    The function reads the last ``_TAIL`` bytes of the output, and returns at most 300 characters.
+    """
     try:
         with log.open("rb") as file:
             file.seek(max(0, log.stat().st_size - _TAIL))

@@ -10,7 +10,7 @@ from reports.statistics.steps import SCALES
 
 
 class BisectionError(ValueError):
-    """A bisection that cannot start; the message names the fix."""
+    """Error for a bisection that cannot start; the message names the fix."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,14 +24,15 @@ class FirstNew:
 
 
 def first_new(count: int, value: Callable[[int], float | None], kind: Kind) -> FirstNew:
-    """Return the versions between which a figure takes its new value, if the figure changes once over all versions.
+    """Return two versions between which a figure takes its new value.
 
     A version is new if its value is nearer to the last version's value than to the first version's value, on the scale
-    of ``kind``. The function skips a version without a value, and tests a neighbour instead.
+    of ``kind``. The function skips a version without a value, and tests another version near the middle instead. If the
+    figure changes more than once, the function returns only one of the changes.
 
     Args:
         count: number of versions.
-        value: returns the value of a version, by its index; the first call for an index may run the study.
+        value: function that returns the value of a version, by its index; None without a value.
         kind: kind of the figure.
 
     Raises:

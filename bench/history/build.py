@@ -21,7 +21,7 @@ CHANGELOGS = {
     "pymunk": "https://github.com/viblo/pymunk/blob/{version}/CHANGELOG.rst",
     "rapier": "https://github.com/dimforge/rapier/blob/master/CHANGELOG.md",
 }
-"""Address of the changelog of a release, by engine."""
+"""Address of the changelog, by engine; ``{version}`` stands for the release."""
 
 
 def build_history(
@@ -59,7 +59,7 @@ def build_history(
 
 
 def steps_of(history: History, explanations: Sequence[Explanation] = ()) -> list[Step]:
-    """Return the steps of all figures, by version; a step has its explanation from ``explanations``, if any."""
+    """Return the steps of all figures in the order of the versions, each with its explanation, if any."""
     versions = [point.version for point in history.points]
     steps = [step for series in history.series for step in _of_series(series, versions, explanations)]
     return sorted(steps, key=lambda step: versions.index(step.version))
@@ -84,7 +84,7 @@ def read_explanations(path: Path) -> list[Explanation]:
 
 
 def _of_series(series: Series, versions: Sequence[str], explanations: Sequence[Explanation]) -> list[Step]:
-    """Return the steps of one figure with the medians of the segments on both sides."""
+    """Return the steps of one figure, each with the lower medians of the two adjacent segments."""
     known = [index for index, value in enumerate(series.values) if value is not None]
     starts = find_steps(series.values, series.kind)
     bounds = [0, *starts, len(series.values)]
@@ -106,7 +106,7 @@ def _of_series(series: Series, versions: Sequence[str], explanations: Sequence[E
 
 
 def _middle(values: Sequence[float | None]) -> float:
-    """Return the lower median of the known values, which is a value of the list."""
+    """Return the lower median of the known values."""
     known = sorted(value for value in values if value is not None)
     return known[(len(known) - 1) // 2]
 

@@ -14,7 +14,7 @@ _FAILED = frozenset({"error", "crashed", "out_of_memory", "unsupported"})
 
 
 class Figure(NamedTuple):
-    """A figure of one version."""
+    """A figure of one trial or one version; its value is None if unknown."""
 
     name: str
     kind: Kind
@@ -23,7 +23,7 @@ class Figure(NamedTuple):
 
 
 def figures_of(records: Sequence[TrialRecord]) -> list[Figure]:
-    """Return the figures of one version, each the median over repeats and seeds of a trial."""
+    """Return the figures of one version, each the median over all trials of a scene and a policy that have a value."""
     found: dict[str, list[Figure]] = {}
     for record in records:
         if record.status not in _FAILED:
@@ -49,11 +49,15 @@ def as_series(versions: Sequence[Sequence[Figure]]) -> list[Series]:
 
 
 def first_failure(records: Sequence[TrialRecord]) -> str:
-    """Return the first failure if all trials failed; otherwise an empty text."""
+    """Return an example of a failure if no trial has figures; otherwise an empty text.
+
+    The example is the first trial that is not unsupported, or the first trial if all are unsupported. There must be at
+    least one record.
+    """
     if any(record.status not in _FAILED for record in records):
         return ""
     first = next((one for one in records if one.status != "unsupported"), records[0])
-    return f"all {len(records)} trials failed; the first: {first.status}: {first.message}"
+    return f"none of the {len(records)} trials has figures, for example: {first.status}: {first.message}"
 
 
 def _of_trial(record: TrialRecord) -> Iterator[Figure]:
@@ -86,7 +90,7 @@ def _median(group: Sequence[Figure]) -> Figure:
 
 
 def _frame_time(record: TrialRecord) -> float | None:
-    """Return the typical frame time of the engine alone relative to a fixed calculation.
+    """Return the ratio of the median frame time to the time of a fixed calculation; None if a time is unknown.
 
     The calculation runs just before and just after the frames, so that the ratio depends less on the machine's present
     speed than a time does. The caller leaves out stacks that fell, because their frames have fewer bricks.

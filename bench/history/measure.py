@@ -24,11 +24,11 @@ from reports.records.folder import ENVIRONMENT, TRIALS
 from reports.records.trial import RecordError, read_records
 
 VERSIONS = "versions"
-"""Folder of the versions in the folder of a history, each with the results of its run."""
+"""Name of the folder, in the folder of a history, with the results of each version in a folder of its own."""
 _DONE = "version.json"
-"""File of a finished version, written last."""
+"""File that marks a version as measured or failed, written last."""
 _FILE_IN_BRACKETS = re.compile(r" \(\.\.\./[^)]*\)")
-"""The file that Python names in an import error."""
+"""Pattern of the file that Python names in an import error."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +53,9 @@ def measure_release(
     *,
     keep: bool,
 ) -> None:
-    """Run the study with one release of an engine, unless the folder has the results of this release.
+    """Run the study with one release of an engine, and record the results, or the reason for a failure.
+
+    The function does nothing if the folder of the history has these results or this reason already.
 
     Args:
         engine: name of the engine.
@@ -81,7 +83,11 @@ def measure_release(
 
 
 def measure_commit(commit: str, study: Study, study_file: Path, out: Path, console: Console) -> None:
-    """Run the study with one commit of the suite and its locked packages, unless the folder has its results."""
+    """Run the study with one commit of the suite and its locked packages, and record the results.
+
+    After a failure, the function records the reason. The function does nothing if the folder of the history has the
+    results or the reason already.
+    """
 
     def run(folder: Path) -> None:
         prepare(commit, (), console, engines=study.engines).run(study_file, folder, report=False)
@@ -90,7 +96,7 @@ def measure_commit(commit: str, study: Study, study_file: Path, out: Path, conso
 
 
 def read_measured(version: str, out: Path) -> Measured:
-    """Return the figures of a finished version.
+    """Return the figures of a measured version, or the reason for their absence.
 
     Raises:
         RecordError: if the records of the version are unreadable.
@@ -115,14 +121,14 @@ def read_measured(version: str, out: Path) -> Measured:
 
 
 def forget_failed(out: Path) -> None:
-    """Remove the versions that failed, so that they run again."""
+    """Remove the versions that failed to run, so that they run again; a version with failed trials stays."""
     for done in sorted((out / VERSIONS).glob(f"*/{_DONE}")):
         if json.loads(done.read_text(encoding="utf-8"))["message"]:
             shutil.rmtree(done.parent)
 
 
 def write_study(study: Study, out: Path) -> Path:
-    """Write the study of a history; return the path of its file.
+    """Write the study of a history, and return the path of the file.
 
     Raises:
         CheckoutError: if the folder contains a history of another study.
@@ -137,7 +143,7 @@ def write_study(study: Study, out: Path) -> Path:
 
 
 def _measure(version: str, out: Path, run: Callable[[Path], None], console: Console) -> None:
-    """Run the study with a version, and record the end of the run or the reason for its failure."""
+    """Run the study with a version without a record, and record the end of the run or the reason for its failure."""
     folder = (out / VERSIONS / version).resolve()
     if (folder / _DONE).exists():
         return
@@ -153,7 +159,7 @@ def _measure(version: str, out: Path, run: Callable[[Path], None], console: Cons
 
 
 def _plain(message: str, folders: Sequence[Path]) -> str:
-    """Return a message without the paths of this machine."""
+    """Return a message with "..." for each of ``folders``, and without the file that an import error names."""
     for folder in folders:
         message = message.replace(str(folder), "...")
     return _FILE_IN_BRACKETS.sub("", message)

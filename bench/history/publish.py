@@ -22,7 +22,12 @@ _HEAD = (
 
 
 def publish_history(history: History, folder: Path, to: Path, explain: Path | None) -> Path:
-    """Write a history below ``to``, in a folder named after its subject, and renew the index; return the folder."""
+    """Write a history below ``to``, in a folder named after its subject, and renew the index; return the folder.
+
+    Raises:
+        OSError: if ``folder``, the folder of the history, has no ``study.toml``, for example after ``--records``.
+        HistoryError: if a published history is not readable.
+    """
     target = to / history.subject
     target.mkdir(parents=True, exist_ok=True)
     write_history(target / HISTORY, history)

@@ -7,11 +7,11 @@ from typing import Any
 from reports.records.history import History, Series
 
 _LARGER_IS_BETTER = frozenset({"levels", "collapse", "tilt"})
-"""Kinds of figures without a version to track: their best value is that of theory, not the smallest."""
+"""Kinds of figures to leave out, because their best value is not the smallest value."""
 
 
 def tracked_versions(history: History) -> list[dict[str, Any]]:
-    """Return name and figures of each version, without failed versions and figures for which larger is better."""
+    """Return name and figures of each version that did not fail, without the kinds in ``_LARGER_IS_BETTER``."""
     series = [one for one in history.series if one.kind not in _LARGER_IS_BETTER]
     return [
         {"version": point.version, "figures": _figures(series, index)}

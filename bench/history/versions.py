@@ -14,16 +14,17 @@ _RANGE = ".."
 
 
 class VersionsError(ValueError):
-    """A failure to list versions; the message names the fix."""
+    """Error for a wrong choice of versions; the message names the fix."""
 
 
 def released(package: str, wanted: str) -> list[str]:
-    """Return the releases for which a package has a wheel for this machine, in rising order.
+    """Return the wanted releases of a package, in rising order.
 
     Args:
         package: name of the package.
-        wanted: ``all``, a range ``3.0..4.0``, or a list ``3.3.0,4.0.0``. The upper end of a range includes releases
-            such as 4.0.1, and need not be a release. The releases of a list need not have a wheel.
+        wanted: ``all``, a range ``3.0..4.0``, or a list ``3.3.0,4.0.0``. Either end of a range may be missing. The
+            upper end 4.0 includes releases such as 4.0.1. ``all`` and ranges contain only final releases with a wheel
+            for this machine. The function does not check that the releases of a list exist.
 
     Raises:
         CheckoutError: if the query of the registry fails.
@@ -38,7 +39,9 @@ def released(package: str, wanted: str) -> list[str]:
 
 
 def within(versions: Sequence[Version], wanted: str) -> list[Version]:
-    """Return the versions of a range, or all versions; a range to 4.0 includes versions such as 4.0.1.
+    """Return the versions in a range such as ``3.0..4.0``, or all versions if ``wanted`` is ``all``.
+
+    A range to 4.0 includes versions such as 4.0.1.
 
     Raises:
         VersionsError: if ``wanted`` is malformed, or no version is in the range.
@@ -67,7 +70,7 @@ def commits(wanted: str) -> list[str]:
     """Return the short names of the suite's commits from A to B along first parents, with A and B, oldest first.
 
     Raises:
-        CheckoutError: if git does not know A or B.
+        CheckoutError: if git is missing, or does not know A or B.
         VersionsError: if ``wanted`` is not ``A..B``, or contains no commit after A.
     """
     low, separator, high = wanted.partition(_RANGE)
@@ -81,13 +84,13 @@ def commits(wanted: str) -> list[str]:
 
 
 def kept_records(wanted: str) -> list[tuple[str, bytes]]:
-    """Return name and content of each version of a baseline file on a branch, oldest commit first.
+    """Return name (date and commit) and content of each version of a baseline file on a branch, oldest first.
 
     Args:
         wanted: the branch and the file, as ``BRANCH:PATH``.
 
     Raises:
-        CheckoutError: if git does not know the branch.
+        CheckoutError: if git is missing, or does not know the branch.
         VersionsError: if ``wanted`` is malformed, or no commit adds or changes the file.
     """
     branch, separator, path = wanted.partition(":")

@@ -26,13 +26,13 @@ def write_archive(folder: Path, to: Path) -> Path:
     compressed bytes depend on the version of the compressor, and most files already contain compressed data.
 
     Raises:
-        RoundError: if the round does not exist, or a file of the round has changed.
+        RoundError: if the round does not exist, or its files differ from the manifest.
     """
     day = read_manifest(folder)["round"]
     if differing := changes(folder):
         raise RoundError(
-            f"round {day} must be unchanged, but has changed ({'; '.join(differing[:3])}); restore the round with: git "
-            f"checkout -- '{folder}'"
+            f"round {day} must be unchanged, but has changed ({'; '.join(differing[:3])}); remove additional files, "
+            f"and restore the round with: git checkout -- '{folder}'"
         )
     name = f"stillstack-results-{day}"
     to.mkdir(parents=True, exist_ok=True)

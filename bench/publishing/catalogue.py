@@ -21,7 +21,7 @@ class Gallery:
 
 @dataclass(frozen=True, slots=True)
 class Publication:
-    """A study with a selection; its results are in a folder of ``docs/results``."""
+    """A study with a selection, whose results are in a folder of ``docs/results``."""
 
     shows: str
     """Description of the publication's content, in one line."""
@@ -52,11 +52,11 @@ class Publication:
 
     @property
     def command(self) -> str:
-        """The command that runs the study."""
+        """The command that runs the study with its selection."""
         return shlex.join(["uv", "run", "-m", "bench", "run", *self.arguments])
 
     def resolved(self) -> Study:
-        """Return the study restricted to the selection; raise the errors of ``selected``."""
+        """Return the study with the selection; raise the errors of ``load_study`` and ``selected``."""
         return selected(load_study(self.study), self.selection)
 
 

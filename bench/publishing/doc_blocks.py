@@ -1,4 +1,4 @@
-"""Generated blocks of the documents, made from adapters, scenes and published results.
+"""Generated blocks of the documents, made from adapters, scenes, published results and the tutorial's example.
 
 ``uv run python -m bench.publishing.doc_blocks`` fills the blocks. The publication of a study fills the blocks, too.
 """
@@ -145,7 +145,7 @@ def _core(page: Path, present: str) -> tuple[str, str]:
 
 
 def claims_block() -> str:
-    """Return a sentence that lists the pages made with an earlier core, for documents that quote these pages."""
+    """Return a note that names the pages of an earlier core, or says that there are none."""
     present = present_core()
     earlier = [name for name, page in _published_pages() if warning(core_of(page), present)]
     if not earlier:
@@ -159,7 +159,7 @@ def _published_pages() -> list[tuple[str, Path]]:
 
 
 def _caveat(name: str) -> str:
-    """Return the note below the table of a publication that an earlier core made; else an empty string."""
+    """Return the caveat to write below a publication's table if an earlier core made the page; else an empty string."""
     caveat = warning(core_of(PUBLISHED / name / "tables.md"), present_core())
     return f"\n*{caveat}*\n" if caveat else ""
 

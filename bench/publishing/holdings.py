@@ -18,7 +18,10 @@ _SETTINGS = ("substeps", "frame_s")
 
 
 def holdings(folder: Path) -> str:
-    """Return the engines, profiles, policies, seeds and trials of a published folder, in one line."""
+    """Return engines, profiles and policies of a published folder, and the numbers of seeds, repeats and trials.
+
+    The text is one line, and states the number of repeats only if it is above 1.
+    """
     rows = list(published_rows(ResultsFolder(folder).trials_file))
     lists = (_listed(rows, "engine"), _listed(rows, "profile"), _listed(rows, "policy", "policies"))
     seeds = _counted(len({int(row["seed"]) for row in rows}), "seed")
@@ -27,9 +30,13 @@ def holdings(folder: Path) -> str:
 
 
 def differences(folder: Path, publication: Publication) -> str:
-    """Return the differences between a run today and a published folder in one line; empty without differences.
+    """Return in one line how a run today differs from a published folder; empty without a difference.
 
-    The comparison uses the ids of trials, and the settings of profiles in the environment file of the folder.
+    The text states the number of planned trials that the folder lacks, and the profiles of the folder whose settings
+    differ from the environment file. It does not state trials of the folder that a run today would leave out.
+
+    Raises:
+        EngineNotInstalledError: if the package of an engine is missing.
     """
     results = ResultsFolder(folder)
     rows = list(published_rows(results.trials_file))
@@ -53,7 +60,10 @@ def _counted(count: int, noun: str) -> str:
 
 
 def _has_changed(engines: Mapping[str, Any], engine: str, profile: str) -> bool:
-    """Return whether the present settings of a profile differ from the settings in the environment file."""
+    """Return whether the present settings of a profile differ from the settings in the environment file.
+
+    The result is True for a profile that does not exist any more, and False for a profile that the file lacks.
+    """
     then = engines.get(engine, {}).get("profiles", {}).get(profile)
     now = described_profiles(engine).get(profile)
     return then is not None and (now is None or _settings(then) != _settings(now))

@@ -86,7 +86,11 @@ def seen_from_below(position: FloatArray, quaternion: FloatArray) -> tuple[Float
 
 
 def watch_fall(engine: str, policy: str) -> Fall:
-    """Build a leaning tower until the tower falls, and return the fall."""
+    """Build a leaning tower until the tower falls, and return the fall.
+
+    Raises:
+        StopIteration: if the core never unfreezes a plank.
+    """
     scene = build("leaning_tower")
     simulation = open_engine(engine, "game", world=scene.world, sleeping="off", expected=scene.bricks)
     poses: list[tuple[FloatArray, FloatArray]] = []

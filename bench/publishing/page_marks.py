@@ -1,8 +1,8 @@
 """Marks on published pages: the digest of the core that made a page, and a banner if the present core differs.
 
 Each page below ``docs/results`` ends with a line ``core: DIGEST``. The generator of a page writes this line together
-with the numbers, and no later command changes the line. The banner at the top depends on that digest; ``uv run python
--m bench.publishing --mark`` renews all banners.
+with the numbers, and no later command changes the line. The banner at the top depends on that digest. The command ``uv
+run python -m bench.publishing --mark`` renews all banners.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ def warning(core: str, present: str) -> str:
 
 
 def marked(text: str, core: str, present: str) -> str:
-    """Return the text of a page with the line ``core: DIGEST``, and with the banner if ``present`` differs."""
+    """Return the text of a page with the line ``core: DIGEST``, and with the caveat of ``warning``, if any, on top."""
     caveat = warning(core, present)
     banner = f"> **{caveat}**\n\n" if caveat else ""
     return banner + signed(_BANNER.sub("", text), core)
@@ -101,7 +101,12 @@ def write_page(page: Path, text: str, core: str) -> None:
 
 
 def mark(page: Path, present: str | None = None) -> None:
-    """Renew the banner of a page; add the line ``core: DIGEST`` to a page without this line."""
+    """Renew the banner of a page, and add the line ``core: DIGEST`` to a page without this line.
+
+    Args:
+        page: path of the page.
+        present: digest of the present core; None to compute the digest.
+    """
     text = page.read_text(encoding="utf-8")
     found = _FOOTER.search(text)
     core = found[1] if found else _recorded_core(page)
@@ -120,8 +125,9 @@ def mark_all(folder: Path) -> int:
 def _recorded_core(page: Path) -> str:
     """Return the digest of the core for a page without the line ``core: DIGEST``, from its environment file.
 
-    The environment file records the digest, or at least the commit from which the function computes the digest. Without
-    the file, or without that commit in the repository, the result is ``UNKNOWN``.
+    The environment file records the digest, or at least the commit from which the function computes the digest. The
+    result is ``NOT_USED`` for a study of engines alone. It is ``UNKNOWN`` without the file, without that commit in the
+    repository, or for a page that is not ``tables.md``.
     """
     if page.name != _TABLES or not (page.parent / ENVIRONMENT).exists():
         return UNKNOWN

@@ -68,8 +68,11 @@ def publish(name: str, folder: Path, to: Path = PUBLISHED) -> Path:
     Raises:
         UnknownNameError: if no publication has this name.
         PublishError: if the folder contains another study, lacks trials, or comes from uncommitted sources.
+        StudyError: if the study in the folder is unreadable or invalid.
+        EngineNotInstalledError: if the package of an engine of the study is missing.
         RecordError: if the records are unreadable.
         StillsError: if the renderer cannot draw the picture of the publication.
+        OSError: if the environment file, or a recording for the picture, is missing.
     """
     publication, records = look_up("publication", name, PUBLICATIONS), read_records(folder / TRIALS)
     _check(publication, folder, records)
@@ -104,8 +107,8 @@ def _write_without_times(folder: Path, page: Path) -> None:
 def _check(publication: Publication, folder: Path, records: Sequence[TrialRecord]) -> None:
     if not load_study(str(folder / STUDY)).has_same_plan(publication.resolved()):
         raise PublishError(
-            f"{folder} must contain the study '{publication.study}', but contains another study: run "
-            f"{publication.command}"
+            f"{folder} must contain the study '{publication.study}' with the publication's selection, but contains "
+            f"another study: run {publication.command}"
         )
     missing = missing_trials(folder, records)
     if missing:
@@ -120,7 +123,7 @@ def _check_sources(environment: Mapping[str, Any], where: str) -> None:
     if environment.get("modified") is not False or not environment.get("commit"):
         raise PublishError(
             f"{where}: the run must use committed sources, got modified = {environment.get('modified')!r} and commit = "
-            f"{environment.get('commit')!r}; commit the changes, and run the study again"
+            f"{environment.get('commit')!r}; commit the changes in a git checkout, and run the study again"
         )
 
 
@@ -167,7 +170,7 @@ def main(
         str | None, typer.Option("--archive", metavar="DATE", help="Write a frozen round into a zip file to deposit.")
     ] = None,
 ) -> None:
-    """Publish a study in docs/results; without a results folder, run the study first."""
+    """Publish a study in docs/results, mark the published pages, or freeze or pack a round."""
     if sum((name is not None, is_mark, frozen is not None, archived is not None)) != 1:
         raise typer.BadParameter(
             "expected one of NAME (a publication), --mark, --round and --archive, got none or several: give exactly one"
@@ -191,7 +194,11 @@ def main(
 
 
 def _publish(name: str, folder: Path | None) -> Path:
-    """Publish a study from ``folder``, or run the study first if ``folder`` is None; return the published folder."""
+    """Publish a study from ``folder`` with a new report, or from a new run if ``folder`` is None.
+
+    Returns:
+        The published folder.
+    """
     publication = look_up("publication", name, PUBLICATIONS)
     if folder is None:
         folder = ROOT / "results" / f"published-{name}"
@@ -203,7 +210,11 @@ def _publish(name: str, folder: Path | None) -> Path:
 
 
 def _bench(*arguments: str) -> None:
-    """Run a ``bench`` command in its own process, and discard the standard output."""
+    """Run a ``bench`` command in its own process, and discard the standard output.
+
+    Raises:
+        typer.Exit: with the status of the command, if the command fails.
+    """
     done = subprocess.run([sys.executable, "-m", "bench", *arguments], cwd=ROOT, stdout=subprocess.DEVNULL, check=False)
     if done.returncode:
         raise typer.Exit(done.returncode)

@@ -42,7 +42,7 @@ class Source:
     folder: Path
     """Folder of the published results."""
     files: Sequence[str]
-    """Files of the round, relative to ``folder``."""
+    """Files to copy, relative to ``folder``."""
     commit: str
     core: str
     """Digest of the core of the checkout."""
@@ -55,7 +55,7 @@ def committed_results() -> Source:
     """Return the published results of this checkout.
 
     Raises:
-        RoundError: if files differ from the commit, or there is no git.
+        RoundError: if tracked files differ from the commit, or there is no git.
     """
     commit = require_clean()
     prefix = PUBLISHED.relative_to(ROOT).as_posix() + "/"
@@ -73,8 +73,8 @@ def require_clean() -> str:
     commit = head()
     if commit is None:
         raise RoundError(
-            "a round needs a git checkout with a commit, but git reports none: run the command in a clone of the "
-            "repository"
+            "a round needs a git checkout with a commit, but git is missing or reports none: install git, and run the "
+            "command in a clone of the repository"
         )
     if is_modified():
         raise RoundError(
@@ -93,8 +93,8 @@ def freeze(day: str, source: Source, to: Path = ROUNDS) -> Path:
         to: folder of the rounds.
 
     Raises:
-        RoundError: if the date is invalid, in the future, or not after the newest round; if there are no files; or if a
-            page has the mark of another core.
+        RoundError: if the date is invalid, in the future, or not after the newest round; if there are no files; or if
+            banner and last line of a page do not fit the core.
         MarkError: if a page does not name its core.
     """
     _check_day(day, to)
@@ -155,7 +155,11 @@ def changes(folder: Path) -> list[str]:
 
 
 def rounds_block(folder: Path = ROUNDS) -> str:
-    """Return the list of the frozen rounds, the newest first, with a link to the newest round."""
+    """Return the list of the frozen rounds, the newest first, with a link to the newest round.
+
+    Raises:
+        RoundError: if a manifest is not readable.
+    """
     listed = [(path, read_manifest(path)) for path in rounds(folder)]
     if not listed:
         return "No round is frozen yet.\n"
@@ -195,11 +199,11 @@ def _check_day(day: str, to: Path) -> None:
 
 
 def _check_marks(source: Source) -> None:
-    """Check that the source has files, and that the mark of each page is of the source's core.
+    """Check that the source has files, and that the banner and the last line of each page fit the source's core.
 
     Raises:
-        RoundError: if the folder contains no committed results, or the mark of a page is missing or belongs to another
-            core.
+        RoundError: if the source has no files, or banner and last line of a page do not fit the core.
+        MarkError: if a page does not name its core.
     """
     if not source.files:
         raise RoundError(
@@ -210,8 +214,8 @@ def _check_marks(source: Source) -> None:
         text = page.read_text(encoding="utf-8")
         if text != marked(text, core_of(page), source.core):
             raise RoundError(
-                f"{page}: the mark must be of the round's core, {source.core}, but is missing or of another core; "
-                "run 'python -m bench.publishing --mark', and commit the page"
+                f"{page}: banner and last line must fit the round's core, {source.core}, but do not; run 'python -m "
+                "bench.publishing --mark', and commit the page"
             )
 
 

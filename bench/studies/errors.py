@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 _PLAIN: Mapping[str, Callable[[Mapping[str, Any]], str]] = {
-    "missing": lambda _: "is missing",
+    "missing": lambda _: "is missing; add this field",
     "greater_than": lambda limits: f"must be above {limits['gt']:g}",
     "greater_than_equal": lambda limits: f"must be {limits['ge']} or more",
     "less_than_equal": lambda limits: f"must be {limits['le']} or less",
@@ -19,7 +19,9 @@ _PLAIN: Mapping[str, Callable[[Mapping[str, Any]], str]] = {
     "bool_type": lambda _: "must be true or false",
     "bool_parsing": lambda _: "must be true or false",
     "string_type": lambda _: "must be a text in quotes",
-    "string_pattern_mismatch": lambda _: "must be letters, digits, '-' and '_', because the text names a folder",
+    "string_pattern_mismatch": lambda _: (
+        "must be letters, digits, '-' and '_', with a letter or a digit first, because the text names a folder"
+    ),
     "list_type": lambda _: "must be a list in brackets",
     "too_short": lambda _: "must not be empty",
     "dict_type": lambda _: "must be a table",

@@ -79,7 +79,7 @@ def waiting_trials(study: Study, statuses: Mapping[str, Status]) -> list[Trial]:
 
 
 def next_trials(study: Study, statuses: Mapping[str, Status]) -> list[Trial]:
-    """Return the next trials of each unfinished bisection, which depend on the outcomes of finished trials.
+    """Return the trials that each unfinished bisection needs next: both ends, then values that depend on outcomes.
 
     Args:
         study: a study, in which scenarios may have a ``bisect``.

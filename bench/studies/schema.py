@@ -1,7 +1,7 @@
 """The schema of a study: engines, scenes, policies and the limits of a trial.
 
 A study is a TOML file. The studies of the suite are in the folder of this module. The schema checks all names before
-the run. An error names the file, the field and its allowed values.
+the run. An error names the file, the field and the fix.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def _known(kind: str, table: Mapping[str, object]) -> AfterValidator:
 def _without_twins(names: list[str]) -> list[str]:
     twins = sorted({name for name in names if names.count(name) > 1})
     if twins:
-        raise ValueError(f"a list must name each value once, but repeats {', '.join(twins)}; remove the repetition")
+        raise ValueError(f"each entry must occur once, got {', '.join(twins)} more than once; remove the repetition")
     return names
 
 
@@ -84,7 +84,7 @@ class _Model(BaseModel):
 
 
 class ChosenScenario(_Model):
-    """A scenario of a study, with its parameters; each value in a list gives a variant of the scenario."""
+    """A scenario of a study, with its parameters; each combination of listed values gives a variant."""
 
     name: ScenarioName
     parameters: Mapping[str, Value | list[Value]] = {}
@@ -167,7 +167,7 @@ class Sweep(_Model):
     """Numbers of iterations of the engine's solver per step; empty for the profile's own number."""
 
     def profiles(self) -> list[str]:
-        """Return the names of the varied profiles."""
+        """Return the names of the varied profiles, or only the name of the profile itself without any values."""
         varied = {"substeps": self.substeps, "iterations": self.iterations}
         named = {what: values for what, values in varied.items() if values}
         return [varied_name(self.profile, dict(zip(named, values, strict=True))) for values in product(*named.values())]
@@ -196,7 +196,7 @@ class Study(_Model):
     description: str = ""
     engines: Annotated[list[EngineName], Distinct] = Field(min_length=1)
     profiles: Annotated[list[str], Distinct] = ["game"]
-    """Profiles of every engine; the list may be empty if there is a sweep."""
+    """Profiles of every engine; the list may be empty if a sweep varies an engine of the study."""
     policies: Annotated[list[PolicyName], Distinct] = Field(min_length=1)
     scenario: list[ChosenScenario] = Field(min_length=1)
     seeds: int = Field(default=1, ge=1, le=MOST_SEEDS)
@@ -313,7 +313,7 @@ def check_study(content: Mapping[str, object], source: str) -> Study:
         source: origin of the fields, for error messages.
 
     Raises:
-        StudyError: for an invalid field; the message names the source, the field and its allowed values.
+        StudyError: for an invalid field or combination of fields; the message names the source and the fix.
         EngineNotInstalledError: if the package of an engine of the study is missing.
     """
     try:

@@ -82,6 +82,7 @@ def installed_part(study: Study) -> tuple[Study, list[str]]:
 
     Raises:
         EngineNotInstalledError: if a required engine is missing, or all engines are missing.
+        StudyError: if the study admits no trial without the missing engines.
     """
     missing: dict[str, EngineNotInstalledError] = {}
     for engine in study.engines:
@@ -101,7 +102,7 @@ def installed_part(study: Study) -> tuple[Study, list[str]]:
 
 
 def default_part(study: Study) -> Study:
-    """Return a study of the suite without its optional engines; raise ``StudyError`` if no engine remains."""
+    """Return a study of the suite without its optional engines; raise ``StudyError`` if no trial remains."""
     content = study.model_dump() | {"engines": [name for name in study.engines if not ENGINES[name].is_optional]}
     return check_study(content, f"study '{study.name}' without optional engines")
 

@@ -8,9 +8,9 @@ from pydantic import BaseModel, ConfigDict, Field
 class Tolerance(BaseModel):
     """Tolerances of the gates, for all trials of a scenario; a study may set these tolerances.
 
-    The outcome gate and the time gate apply the tolerances in every comparison. On the same processor, two runs of
-    the same suite with the same version of an engine that repeats bit for bit have equal outcomes, so that their
-    outcomes need no tolerance. Frame times vary from run to run, so that the time gate always needs ``time_share``.
+    The outcome gate and the time gate apply the tolerances in every comparison of runs. An engine that repeats bit for
+    bit has equal outcomes in two runs of the same versions on the same processor. The outcomes of such runs need no
+    tolerance. Frame times vary from run to run, so that the time gate always needs ``time_share``.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -19,8 +19,8 @@ class Tolerance(BaseModel):
     """Tolerated loss [levels] of height, or growth of the error of the collapse level. The default is zero, because a
     user notices a missing level. A verdict that was right must stay right at any tolerance."""
     sink_m: float = Field(default=5e-5, ge=0)
-    """Tolerated increase of the sink [m]. The default is a quarter of 0.2 mm, which is the greatest depth of a brick in
-    its support at which the core freezes the brick."""
+    """Tolerated increase of the sink [m]. The default is a quarter of 0.2 mm, which is the greatest depth in its
+    support at which the core freezes a flat plank (``Settings.rest_penetration``)."""
     sink_share: float = Field(default=0.2, ge=0)
     """Additionally tolerated increase of the sink, as a share of the base's sink."""
     creep_m_s: float = Field(default=1e-6, ge=0)
@@ -29,7 +29,7 @@ class Tolerance(BaseModel):
     Bullet."""
     creep_share: float = Field(default=0.5, ge=0)
     """Additionally tolerated increase of the creep, as a share of the base's creep. The defaults detect a doubled
-    creep if the base creeps faster than 2e-6 m/s, and tolerate the effect of another processor's rounding on a slow
+    creep if the base creeps faster than 2e-6 m/s. They tolerate the effect of another processor's rounding on a slow
     slide. A creep of the head whose interval includes zero is no increase."""
     time_share: float = Field(default=0.1, ge=0)
     """Least slowdown that counts, as a share of the base's time, because a smaller slowdown needs no attention."""

@@ -11,7 +11,7 @@ from bench.studies.tolerance import Tolerance
 
 
 def to_toml(study: Study) -> str:
-    """Return the study as TOML without unset fields.
+    """Return the study as TOML, without fields that are None, empty lists of rules, and default tolerances.
 
     ``json`` writes the values, because JSON's strings, numbers and flat lists are valid TOML.
     """

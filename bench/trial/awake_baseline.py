@@ -25,7 +25,7 @@ WARM_UP_FRAMES = 2
 """Number of untimed frames at the start of each new world. Two frames are necessary, because the engine builds its
 caches in the first frame, and the second frame is the first that starts from earlier contacts."""
 TIMED_FRAMES = 60
-"""Number of timed frames, one second at 60 Hz."""
+"""Greatest number of timed frames, one second at 60 Hz."""
 LEAST_FRAMES = 10
 """Fewest timed frames that give a frame time."""
 MOST_WORLDS = 20
@@ -43,13 +43,13 @@ class BaselineTime:
     """Frame time of a stack with every brick awake, or the reason why the frame time is missing."""
 
     frame_ms: float | None
-    """Mean frame time [ms]; None if it could not be measured."""
+    """Mean frame time [ms]; None with fewer than ``LEAST_FRAMES`` timed frames."""
     message: str = ""
     """Reason for a missing frame time."""
 
 
 def time_baseline(engine: str, profile: str, world: World, stack: Snapshot) -> BaselineTime:
-    """Return the mean frame time of a stack while it stands in new worlds of the engine alone.
+    """Return the mean frame time of a stack while it stands in new worlds of the engine alone, or why there is none.
 
     Args:
         engine: name of the engine.
@@ -65,7 +65,7 @@ def time_baseline(engine: str, profile: str, world: World, stack: Snapshot) -> B
             break
     if len(times_ms) < LEAST_FRAMES:
         why = "is too slow" if perf_counter() > deadline else "fell at once in each new world"
-        return BaselineTime(None, f"the awake stack {why}: too few frames could be timed")
+        return BaselineTime(None, f"the awake stack {why}: fewer than {LEAST_FRAMES} frames have a time")
     return BaselineTime(statistics.fmean(times_ms))
 
 

@@ -18,8 +18,8 @@ from scenarios.geometry import Boxes, resting_shift, side_by_side
 from scenarios.model import CLEARANCE, Action, Brick, Drive, Place, Press, Pull, Push, Remove, Scene, Tilt
 
 HOLD_S = 0.1
-"""Duration of the hold before each push, press and pull of a brick [s], so that the extension unfreezes the brick
-first."""
+"""Time before each push, press and pull at which the manipulator begins to hold the brick [s], so that the extension
+unfreezes the brick first."""
 
 
 class Builder:
@@ -77,7 +77,10 @@ class Builder:
         return bodies
 
     def act(self, time: float) -> None:
-        """Execute all actions that are due at ``time`` [s], and continue the actions in progress."""
+        """Execute all actions that are due at ``time`` [s], and continue the actions in progress.
+
+        The method also holds each brick that a push, press or pull moves within ``HOLD_S``.
+        """
         for body in self._manipulator.pull_on(time):
             self._forget(body)
             self._plan_anew()
@@ -102,7 +105,7 @@ class Builder:
             self._follow_pulls()
 
     def _carry_out(self, action: Action, time: float) -> None:
-        """Execute an action, or start it if it takes longer than a frame."""
+        """Execute a placement, a removal or a push; start a press, pull, drive or tilt."""
         match action:
             case Place():
                 self._place(action, time)
@@ -132,7 +135,7 @@ class Builder:
         self._plan_anew()
 
     def _forget(self, body: int) -> None:
-        """Remove a brick from the planned bricks after its removal from the simulation."""
+        """Remove a brick from plan and drives after its removal from the simulation, and note lost supports."""
         self._drives.forget(body)
         self._note_lost_support(self._planned.pop(body), body)
 
@@ -181,9 +184,9 @@ class Builder:
     def _resting_shift(self, action: Place) -> float:
         """Return the shift [m] of planned heights by which an action's bricks lie ``CLEARANCE`` above their support.
 
-        The support is a fixed box or a brick of a lower level. A brick with a planned pose beside the placed bricks is
-        no support, although small motions may let both overlap horizontally by micrometres. For a pile, the function
-        ignores planned poses, because poured bricks do not rest at these poses.
+        The support is the ground, a fixed box or a brick of a lower level. A brick with a planned pose beside the
+        placed bricks is no support, although small motions may let both overlap horizontally by micrometres. For a
+        pile, the function ignores planned poses, because poured bricks do not rest at these poses.
         """
         _, position, quaternion = self._simulation.poses()
         plan, group = self.plan, Boxes.of(action.bricks)

@@ -1,4 +1,4 @@
-"""Measure the creep of a finished stack: the slope of its bricks' positions over time, in the last half of the watch.
+"""Measure creep: the slope of the bricks' positions over time, at the end of the watch of a finished stack or pile.
 
 The 95 % interval of the slope comes from Kiefer, Vogelsang and Bunzel (Econometrica 68, 2000): the variance estimator
 of Newey and West with the length of the series as bandwidth. The usual interval of a regression assumes independent
@@ -26,14 +26,17 @@ from bench.trial.measure import FloatArray
 QUANTILE = 5.78
 """95 % quantile of the absolute ratio of slope to standard error for series without a slope. The value comes from a
 simulation of 100,000 series of 1,000 independent numbers; series of 150 numbers give 5.77, series of 50 give 5.83.
-``tests/bench/trial/test_creep.py`` repeats the simulation."""
+``tests/bench/trial/test_creep.py`` repeats the simulation with 20,000 series of 150 numbers."""
 LEAST_FRAMES = 20
 """Fewest frames that give a creep: a third of a second at 60 Hz."""
 
 
 @dataclass(frozen=True, slots=True)
 class Creep:
-    """Creep of bricks. The "fastest brick" is the brick with the greatest ratio of speed to thickness."""
+    """Creep of bricks.
+
+    The "fastest brick" is the brick with the greatest ratio of speed to thickness, or the thinnest brick if none moves.
+    """
 
     speed_m_s: float
     """Speed of the centre of the fastest brick [m/s]."""
@@ -57,7 +60,9 @@ class CreepMeter:
         self._positions: list[FloatArray] = []
 
     def see(self, time: float, position: FloatArray) -> None:
-        """Record the positions at the end of a frame; drop earlier positions if the number of bricks changes.
+        """Record the positions at the end of a frame, and drop earlier positions if the number of bricks has changed.
+
+        The method ignores frames that end before the start of the measurement, or at the start.
 
         Args:
             time: end of the frame [s].

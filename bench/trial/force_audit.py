@@ -2,9 +2,10 @@
 
 The audit measures three quantities in each frame:
 
-- the vertical force on the ground, as a share of the weight of all bricks;
-- the greatest excess of a contact force over its friction cone, as a share of a brick's mean weight;
-- the greatest residual of complementarity, which demands that no force acts across a gap and no bodies overlap.
+- the vertical force of ground and fixed bodies on the bricks, as a share of the weight of all bricks;
+- the greatest excess of a contact force over its friction cone, as a share of the mean weight of a brick;
+- the greatest residual of complementarity, which demands that no force acts across a gap, no contact pulls, and no
+  bodies overlap.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ class ForceAudit:
         self._residual: list[float] = []
 
     def see(self) -> None:
-        """Add the contacts after the latest step to the audit; do nothing if the engine reports no forces."""
+        """Add the contacts after the latest step to the audit; do nothing without forces, contacts or bricks."""
         contacts = self._simulation.port.contacts()
         bricks = self._simulation.bricks.values()
         if contacts.force is None or not len(contacts) or not bricks:
@@ -48,7 +49,7 @@ class ForceAudit:
             self._residual.append(float(np.nanmax(residual)))
 
     def fields(self) -> dict[str, Any]:
-        """Return the fields for the record: means over the audited frames; empty if the engine reported no forces."""
+        """Return the fields for the record: means over the audited frames; leave out fields without a value."""
         measured = {
             "carried_share": self._carried,
             "cone_excess": self._excess,

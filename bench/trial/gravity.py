@@ -14,7 +14,7 @@ from scenarios.model import Tilt, Vector
 
 @dataclass(slots=True)
 class TurningGravity:
-    """Executor of the tilts of a scene; the class turns gravity instead of the ground."""
+    """Executor of the tilts of a scene, which turns gravity instead of the ground."""
 
     simulation: Simulation
     notify: Callable[[Vector], None]
@@ -38,7 +38,10 @@ class TurningGravity:
 
 
 def turned(vector: Vector, axis: tuple[float, float], angle: float) -> Vector:
-    """Rotate ``vector`` by ``angle`` [rad] about the horizontal ``axis`` (x, y) by Rodrigues' formula."""
+    """Rotate ``vector`` by ``angle`` [rad] about the horizontal ``axis`` (x, y), by the right-hand rule.
+
+    The function uses Rodrigues' formula.
+    """
     k = np.array([*axis, 0.0]) / math.hypot(*axis)
     v = np.array(vector)
     x, y, z = (v * math.cos(angle) + np.cross(k, v) * math.sin(angle) + k * (k @ v) * (1 - math.cos(angle))).tolist()

@@ -25,9 +25,9 @@ def verdict(
     - ``undecided``: the time limit stopped the trial;
     - ``failed``: the trial neither completed nor collapsed;
     - for a stack that must stand: ``false_collapse`` if the stack fell, ``creeps`` if a brick creeps, else ``right``;
-    - for a stack that must fall: ``false_stand`` if the stack fell at a higher level than expected, too late or not at
-      all; ``false_collapse`` if the stack fell at a lower level or too early; ``failed`` if the stack sank; else
-      ``right``.
+    - for a stack that must fall: ``false_stand`` if the stack fell at a higher level than expected or not at all;
+      ``false_collapse`` if the stack fell at a lower level or too early; ``false_stand`` if the stack fell too late;
+      ``failed`` if the stack sank; else ``right``.
 
     Args:
         expectation: the outcome that theory demands.
@@ -38,6 +38,9 @@ def verdict(
         creeps: True if the interval of a brick's creep exceeds the creep limit.
         is_neutral: True if the stack is in neutral balance: a rounding error moves the stack, and no force stops the
             motion.
+
+    Raises:
+        ValueError: if the stack must fall, and ``expectation`` has no level.
     """
     if expectation.outcome == "study" or status == "unsupported" or (expectation.outcome == "stand" and is_neutral):
         return "none"

@@ -41,9 +41,9 @@ SINK_LIMIT = 0.5
 """Sink of a level relative to the level below, beyond which a brick of that level has sunk [thicknesses of the
 brick]."""
 DROP_LIMIT = 1.0
-"""Sink of a level relative to the level below, beyond which a brick of that level has dropped if it overlaps no lower
-brick [thicknesses of the brick], because a brick that sank so far without falling would overlap the level below by the
-same distance."""
+"""Sink of a level relative to the level below [thicknesses of the brick]. Beyond this sink, a brick of that level has
+dropped if it overlaps lower bricks and the ground by less than ``SINK_LIMIT``. A brick that sank so far without falling
+would overlap the level below by the same distance."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -219,7 +219,7 @@ def levels_standing(plan: Plan, out_of_place: BoolArray, landed: Collection[int]
 
 
 def top(plan: Plan, position: FloatArray, quaternion: FloatArray, level: int) -> float:
-    """Return the height of the highest corner of the bricks of ``level`` [m]."""
+    """Return the height above z = 0 of the highest point of the bricks of ``level`` [m]."""
     of_level = plan.level == level
     if plan.shapes is not None:
         return float(height_of_top(plan.boxes_at(position, quaternion, of_level)).max())

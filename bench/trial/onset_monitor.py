@@ -43,7 +43,7 @@ class OnsetMonitor:
         """Slope of the ground in the first frame in which a brick had moved [deg]; None if none has moved."""
 
     def see(self, time: float, position: FloatArray, quaternion: FloatArray) -> None:
-        """Compare the poses at the end of a frame with the poses before the tilt.
+        """Record poses and contacts before the tilt; later, compare the poses with the recorded poses.
 
         Args:
             time: end of the frame [s].

@@ -30,13 +30,13 @@ planks meet at a ridge."""
 
 
 class OwnContacts:
-    """Collector of the latest contacts of each pair of bodies."""
+    """Collector of the latest touching contacts (see ``TOUCHING``) of each pair of bodies."""
 
     def __init__(self) -> None:
         self._pairs: dict[tuple[int, int], list[Patch]] = {}
 
     def see(self, contacts: Contacts) -> None:
-        """Record the contacts of the latest step; pairs without contacts in this step keep their earlier contacts."""
+        """Record the touching contacts of the latest step; pairs without such contacts keep their earlier contacts."""
         touching = contacts.chosen(contacts.separation <= TOUCHING)
         now: dict[tuple[int, int], list[Patch]] = {}
         rows = zip(touching.body_a.tolist(), touching.body_b.tolist(), touching.point, touching.normal, strict=True)

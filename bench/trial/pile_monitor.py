@@ -88,12 +88,15 @@ class PileMonitor:
 
     @property
     def creep(self) -> Creep | None:
-        """Creep of the bricks; None if the watch was too short."""
+        """Creep of the bricks; None if the watch was too short, or there are no bricks."""
         return self._creep.measure(self._plan.thickness)
 
     @property
     def rest_s(self) -> float | None:
-        """Time from the last action to the last frame in which a brick moved [s]; None if a brick moves at the end."""
+        """Time from the last action to the end of the last frame in which a brick moved [s], at least 0.
+
+        The time is None before the first frame, and if a brick moved in the latest frame.
+        """
         if self._latest is None or self._moved_s >= self._latest[0]:
             return None
         return max(0.0, self._moved_s - self._last_action_s)

@@ -1,4 +1,7 @@
-"""Play one scene on one engine frame by frame, until the watch ends, the stack has fallen or the time limit passes."""
+"""Play one scene on one engine frame by frame.
+
+The playback ends when the watch ends, the stack has fallen, a pose is not finite, or the time limit passes.
+"""
 
 from __future__ import annotations
 
@@ -36,8 +39,12 @@ CREEP_SHARE = 0.5
 OnFrame: TypeAlias = Callable[
     [float, npt.NDArray[np.int64], FloatArray, FloatArray, Collection[int], Mapping[int, Brick]], None
 ]
-"""Type of a function that receives the time [s], the n bodies, their positions [m], shape (n, 3), their quaternions (w,
-x, y, z), shape (n, 4), the frozen bodies, and the bricks by body."""
+"""Type of a function that receives a frame:
+
+- the time [s] and the n bodies;
+- their positions [m], shape (n, 3), and their quaternions (w, x, y, z), shape (n, 4);
+- the frozen bodies, and the bricks by body.
+"""
 _ROUNDING_S = 1e-9
 """Bound on the rounding error of the simulated time at the end of a frame [s]."""
 
@@ -58,7 +65,7 @@ class Progress:
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """Stack of n bricks just before the next level starts."""
+    """Stack of n bricks at the end of a level: before the next level starts, or when the last brick has settled."""
 
     bricks: Sequence[Brick]
     """Bricks at their planned poses."""
@@ -69,7 +76,7 @@ class Snapshot:
 
 
 class Playback:
-    """Playback of one scene; the measurements are available even if the playback ends by an exception."""
+    """Playback of one scene, whose measurements are available even if the playback ends by an exception."""
 
     def __init__(
         self,
@@ -90,11 +97,14 @@ class Playback:
             simulation: an empty world.
             policy: name of a policy with an extension; None for the engine alone.
             wall_limit_s: wall time [s] after which to stop.
-            on_progress: function that receives the progress after every frame.
+            on_progress: function that receives the progress after every frame with finite poses.
             audits_forces: True to audit contact forces during the watch of the finished stack, if the engine is alone;
-                with the core there is no audit, because engines report no force on a frozen brick.
-            on_frame: function that receives the poses after every frame, outside the timed part.
+                with an extension there is no audit, because engines report no force on a frozen brick.
+            on_frame: function that receives the poses after every frame with finite poses, outside the timed part.
             tracer: recorder of the pose trace; None to trace no poses.
+
+        Raises:
+            NotImplementedError: if the policy joins bodies, and the engine does not.
         """
         self._scene = scene
         self._simulation = simulation
@@ -127,10 +137,10 @@ class Playback:
         self.recorder = Recorder(simulation.info.frame_s, scene.world)
         self.rows: list[FrameRow] = []
         self.at_level: dict[int, Snapshot] = {}
-        """Stack at the end of each level, just before the next level started, by level."""
+        """Stack at the end of each level, by level."""
         self.adopted: int | None = None
-        """Number of bodies of prebuilt stacks that the core froze before the first step after their placement; None
-        without the core or a prebuilt stack."""
+        """Number of bodies of prebuilt stacks that the extension froze before the first step after their placement;
+        None without an extension or a prebuilt stack."""
 
     @property
     def simulated_s(self) -> float:
@@ -146,7 +156,8 @@ class Playback:
         """Play the scene to its end and return the status.
 
         If a frame ends after the limit on wall time while the stack stands, the status is ``timeout``, even if that
-        frame was the last.
+        frame was the last. The status is ``diverged`` after a frame with a pose that is not finite. The method raises
+        every error of the engine and of the extension.
         """
         deadline = perf_counter() + self._wall_limit_s
         end = self._last_action_s + self._scene.watch_s - _ROUNDING_S

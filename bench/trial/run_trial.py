@@ -53,11 +53,11 @@ class Outcome:
 
     record: TrialRecord
     frames: list[FrameRow]
-    """Frames in order; empty if the engine was never opened."""
+    """Frames in order; empty if the playback never began."""
     recording: Recording | None = None
-    """Recorded poses; None if the engine was never opened."""
+    """Recorded poses; None if the playback never began."""
     trace: PoseTrace | None = None
-    """Pose trace; None for an engine that does not repeat bit for bit across processes, and if it was never opened."""
+    """Pose trace; None for an engine that does not repeat bit for bit across processes, or if no playback began."""
 
 
 def run_trial(
@@ -76,13 +76,16 @@ def run_trial(
         environment: digest of the environment, for the record.
         on_progress: function that receives the progress after every frame.
         on_frame: function that receives the poses after every frame.
+
+    Raises:
+        EngineNotInstalledError: if the engine's package is missing.
     """
     try:
         scene = trial.build_scene()
     except NoRoomError as error:
         return Outcome(bare_record(trial, trial.planned_scene(), environment, "unsupported", str(error)), [])
     if capabilities(trial.engine).planar and not scene.planar:
-        why = f"{trial.engine} is a planar engine and {scene.variant} is not a planar scene"
+        why = f"{trial.engine} is planar, but {scene.variant} is not a planar scene: choose another engine"
         return Outcome(bare_record(trial, scene, environment, "unsupported", why), [])
     begin = perf_counter()
     policy = BENCH_POLICIES[trial.policy]
@@ -120,7 +123,7 @@ def run_trial(
     except NotImplementedError as error:  # the engine cannot play the scene
         status, message = "unsupported", str(error)
     except MemoryError:
-        status, message = "out_of_memory", "the process ran out of memory"
+        status, message = "out_of_memory", "the process ran out of memory; run fewer jobs at a time"
     except PeerError as error:  # an engine in a separate process failed, or that process failed
         status, message = error.status, str(error)
     except ValueError as error:  # the core rejects poses that are not finite
@@ -254,7 +257,7 @@ def _creep(playback: Playback, per_min: float) -> dict[str, float]:
 
 
 def _standing_rows(playback: Playback) -> list[FrameRow]:
-    """Return the frames up to the collapse, because tumbling bricks make later frames expensive."""
+    """Return the frames up to a collapse, because tumbling bricks make later frames expensive."""
     collapse = playback.monitor.collapse
     return playback.rows if collapse is None else [row for row in playback.rows if row.time_s <= collapse.time]
 
@@ -323,7 +326,10 @@ def _message(status: Status, playback: Playback, limits: Limits) -> str:
     if status == "collapsed" and collapse is not None:
         return f"{collapse.kind} at level {collapse.level}, {collapse.time:.2f} s"
     if status == "timeout":
-        return f"stopped after {limits.trial_wall_s:g} s of wall time at {playback.simulated_s:.1f} simulated seconds"
+        return (
+            f"stopped after {limits.trial_wall_s:g} s of wall time at {playback.simulated_s:.1f} simulated seconds; if "
+            "the trial needs longer, raise 'trial_wall_s' in the study's [limits]"
+        )
     if status == "diverged":
         return f"poses were not finite after {playback.simulated_s:.2f} s"
     return ""

@@ -33,8 +33,8 @@ class SleepAudit:
         self._watched = [_Watched(due) for due in must_move]
         self._before: dict[int, FloatArray] = {}
         self.asleep_s = 0.0
-        """Total simulated time of the frames in which at least one brick that must move kept its pose to the last bit
-        [s]."""
+        """Total simulated time of the frames in which at least one brick kept its pose to the last bit [s] during its
+        required motion."""
 
     @property
     def moved_after_s(self) -> float | None:

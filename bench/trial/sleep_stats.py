@@ -41,6 +41,6 @@ class SleepStats:
     def longest_live_s(self, now: float) -> float:
         """Return the longest time for which a body stayed live without interruption [s].
 
-        Bodies that are still live count up to the present time ``now`` [s].
+        Bodies that are still live, or left the world while live, count up to the present time ``now`` [s].
         """
         return max([self._longest_live_s, *(now - since for since in self._live_since.values())])

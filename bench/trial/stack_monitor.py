@@ -16,17 +16,20 @@ from scenarios.planks import THICKNESS
 
 LANDING_S = 0.9
 """Time after the release of its last brick at which a level counts as reached [s], multiplied by the pace of the scene.
-This time is slightly less than the second until the next brick, so that a level that falls when its last brick lands
+This time is slightly less than the second until the next brick. A level that falls when its last brick lands therefore
 does not count as reached."""
 AFTERMATH_S = 1.0
-"""Time for which a trial of standard planks continues after a collapse is first seen [s], so that the monitor can
+"""Time for which a trial of standard planks continues after the first frame of a collapse [s], so that the monitor can
 distinguish a topple from a slide. For thicker bricks the time increases with the square root of their thickness,
 because their falls take longer in this proportion."""
 
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """Measurements of an intact stack, in the last frame before its collapse or before the start of the next level."""
+    """Measurements of an intact stack or of a pile.
+
+    For a stack, the measurements are of the last frame before its collapse or before the start of the next level.
+    """
 
     level: int
     """Highest level that stands intact with all levels below it."""
@@ -43,13 +46,13 @@ class Collapse:
     """Collapse of a stack."""
 
     time: float
-    """Simulated time at which the collapse was first seen [s]."""
+    """Simulated time at the end of the first frame of the collapse [s]."""
     level: int
-    """Number of complete levels placed when the collapse was first seen."""
+    """Number of complete levels placed in the first frame of the collapse."""
     kind: CollapseKind
-    """Kind of the collapse, which may change while the collapse is watched."""
+    """Kind of the collapse, which may change while the monitor watches the collapse."""
     aftermath_s: float
-    """Time for which the collapse is watched [s]."""
+    """Time for which the monitor watches the collapse [s]."""
 
 
 class StackMonitor:
@@ -80,7 +83,7 @@ class StackMonitor:
 
     @property
     def creep(self) -> Creep | None:
-        """Creep of the bricks; None if the stack fell, or the watch was too short."""
+        """Creep of the bricks; None if the stack fell, the watch was too short, or there are no bricks."""
         return None if self.collapse else self._creep.measure(self._thickness)
 
     def see(

@@ -21,13 +21,13 @@ class FrameTimes:
     """Times of the parts of one frame [s]."""
 
     engine: float
-    """Time of the engine's step [s]."""
+    """Time of the engine's step, and of its detection of contacts of a new prebuilt stack [s]."""
     readback: float = 0.0
     """Time in which the port reads contacts and masses [s]."""
     core: float = 0.0
-    """Time of the core without port calls [s]."""
+    """Time of the extension without port calls [s]."""
     port: float = 0.0
-    """Time in which the port freezes and unfreezes bodies [s]."""
+    """Time in which the port freezes, unfreezes, joins and parts bodies [s]."""
     bridge: float | None = None
     """Time of the transfer to an engine in a separate process and back [s]; None for an engine in this process."""
 
@@ -39,10 +39,10 @@ class FrameTimes:
 
 @dataclass(frozen=True, slots=True)
 class Steering:
-    """Input and changes of the core in one frame, including the adoption of prebuilt stacks before the step."""
+    """Input and changes of the extension in one frame, including the adoption of prebuilt stacks before the step."""
 
     contacts: int
-    """Number of contact points that the core read."""
+    """Number of contact points that the extension read."""
     frozen: Sequence[int]
     """Bodies that the core froze."""
     woken: Sequence[int]
@@ -50,11 +50,11 @@ class Steering:
     reasons: Sequence[str]
     """Reason for unfreezing each body in ``woken``."""
     instructions: int | None = None
-    """Number of instructions of the core without port calls; None if they are not counted."""
+    """Number of instructions of the core without port calls; None without a count."""
     joined: int | None = None
-    """Number of pairs that were joined; None for a policy that joins nothing."""
+    """Number of pairs that the extension joined; None for a policy that joins nothing."""
     parted: int | None = None
-    """Number of pairs that were parted; None for a policy that joins nothing."""
+    """Number of pairs that the extension parted; None for a policy that joins nothing."""
 
     @property
     def summary(self) -> str:
@@ -98,7 +98,8 @@ class SteeredFrames:
         Args:
             simulation: a world.
             policy: name of a policy of the core, or of a policy that joins bodies.
-            count: function that returns the number of instructions of this thread so far; None to count none.
+            count: function that returns the number of instructions of this thread so far; None to count none. A policy
+                that joins bodies counts none.
 
         Raises:
             NotImplementedError: if the policy joins bodies, and the engine does not.
@@ -126,7 +127,7 @@ class SteeredFrames:
         return tuple(self._before[-1][1].frozen)
 
     def play(self) -> tuple[FrameTimes, Steering]:
-        """Play one frame; return its times and the changes of the core."""
+        """Play one frame; return its times and the changes of the extension."""
         frame_s = self._simulation.info.frame_s
         times, steering = self._timed(lambda: self._simulation.step(frame_s), lambda: self._extension.update(frame_s))
         played = _without_bridge(times, self._simulation), steering

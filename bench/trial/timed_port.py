@@ -1,7 +1,4 @@
-"""Ports that measure the time or the instructions of their calls, so that the harness can exclude the calls.
-
-The core itself reads no clock.
-"""
+"""Ports that measure the time or the instructions of their calls, so that the harness can exclude the calls."""
 
 from __future__ import annotations
 

@@ -85,14 +85,14 @@ def test_missing_trials_are_alarms_on_request_and_always_counted(make) -> None:
 def test_a_side_that_failed_is_never_a_base_to_be_better_than(make) -> None:
     broken = {"status": "error", "message": "no such knob", "verdict": "failed"}
     for sides in ((make.side(make.record(**broken)), make.side()), (make.side(), make.side(make.record(**broken)))):
-        with pytest.raises(SideFailedError, match=r"all 1 trials failed.*no such knob"):
+        with pytest.raises(SideFailedError, match=r"none of the 1 trials has a result.*no such knob"):
             compare_runs(*sides, NAMES)
     other = make.record(engine="dart", trial="dart.game.four_stack-3.paper.s0.r0")
     base = make.side(make.record(), other.model_copy(update=broken))
     found = compare_runs(base, make.side(make.record(), other), NAMES)
     assert not [one for one in found.findings if one.judgement == "better"]
     assert [one.message for one in found.findings if one.trial == "dart"] == [
-        "in base all 1 trials failed; the first: error: no such knob"
+        "in base none of the 1 trials has a result; the first failure: error: no such knob"
     ]
 
 

@@ -61,7 +61,7 @@ def test_other_scenes_count_by_levels_and_simulated_seconds(tmp_path) -> None:
     estimated = estimate(TRIALS, 60.0, [tmp_path / "a"])
     assert (estimated.guessed, estimated.unknown) == (4, 0), "of another engine, if there is none of its own"
     assert estimated.known_s == pytest.approx(4 * (0.1 * 13 * 17 + START_S))
-    assert "4 from other scenes" in estimated.summary(jobs=1)
+    assert "4 from other scenes or engines" in estimated.summary(jobs=1)
     quick = {**work, "wall_s": 1e-6}
     write(tmp_path / "b", {"trial": "x", **quick})
     assert estimate(TRIALS, 60.0, [tmp_path / "b"]).known_s == pytest.approx(4 * (LEAST_S + START_S))

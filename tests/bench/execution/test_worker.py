@@ -20,7 +20,7 @@ OUTCOMES = {
 """By the engine's behaviour: how its trial ends, and the message."""
 
 
-HANG = {"hang": ("timeout", "the engine hung and was stopped"), "game": ("completed", "")}
+HANG = {"hang": ("timeout", "the engine hung, and the harness stopped"), "game": ("completed", "")}
 HANG_LIMIT_S = 5.0
 """Limit of a trial beside trials that hang [s]: 50 times what a sound one takes."""
 
@@ -53,7 +53,7 @@ def test_a_step_longer_than_the_limit_is_a_timeout_also_if_the_trial_stops_itsel
     rogue_suite.run()
     (record,) = read_records(rogue_suite.out / "trials.jsonl")
     assert (record.status, record.verdict) == ("timeout", "undecided")
-    assert "the engine hung and was stopped" in record.message
+    assert "the engine hung, and the harness stopped" in record.message
 
 
 def test_a_step_that_ends_after_the_limit_is_a_timeout(rogue_suite) -> None:
@@ -62,7 +62,7 @@ def test_a_step_that_ends_after_the_limit_is_a_timeout(rogue_suite) -> None:
     rogue_suite.run()
     (record,) = read_records(rogue_suite.out / "trials.jsonl")
     assert record.status == "timeout"
-    assert record.message == "stopped after 3 s of wall time at 1.2 simulated seconds"
+    assert record.message.startswith("stopped after 3 s of wall time at 1.2 simulated seconds; ")
 
 
 def test_garbled_last_words_are_made_fit_to_print(tmp_path) -> None:

@@ -79,7 +79,7 @@ def test_figures_of_a_version() -> None:
     assert late["levels of four_stack-3"] is None, "a time-out is censored, never a height"
     assert late["frame time of four_stack-3"] is None, "fewer bricks were in its frames"
     assert first_failure([record(status="error", message="no knob")]) == (
-        "all 1 trials failed; the first: error: no knob"
+        "none of the 1 trials has figures, for example: error: no knob"
     )
 
 

@@ -130,7 +130,7 @@ def test_what_no_commit_holds_is_refused(run, tmp_path, changed) -> None:
 def test_another_study_and_an_unknown_name_are_refused(run, tmp_path) -> None:
     with pytest.raises(
         PublishError,
-        match="the study 'paper', but contains another study: run uv run -m bench run paper --engine physx",
+        match=r"the study 'paper' with .*, but contains another study: run uv run -m bench run paper --engine physx",
     ):
         publish("claims", run, tmp_path / "docs")
     with pytest.raises(UnknownNameError, match="did you mean 'paper'"):

@@ -138,7 +138,7 @@ def test_seeds_and_repeats_multiply_the_trials_and_seed_0_is_exact() -> None:
         ({"engines": []}, "field 'engines': must not be empty"),
         (
             {"engines": ["bullet", "bullet"]},
-            "field 'engines': a list must name each value once, but repeats bullet",
+            "field 'engines': each entry must occur once, got bullet more than once",
         ),
         ({"name": "../x"}, "field 'name': must be letters, digits, '-' and '_'"),
         ({"repeats": "two"}, "field 'repeats': must be a whole number, without quotes"),
@@ -207,8 +207,8 @@ def test_none_native_and_raised_run_the_engine_alone() -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"scenario": [{"name": "four_stack"}, {"name": "four_stack"}]}, "but repeats four_stack"),
-        ({"scenario": [{"name": "four_stack", "parameters": {"levels": [3, 3]}}]}, "but repeats four_stack-3"),
+        ({"scenario": [{"name": "four_stack"}, {"name": "four_stack"}]}, "got four_stack more than once"),
+        ({"scenario": [{"name": "four_stack", "parameters": {"levels": [3, 3]}}]}, "got four_stack-3 more than once"),
         (
             {"scenario": [{"name": "four_stack", "parameters": {"levels": []}}]},
             "needs at least one value, got an empty list",

@@ -22,13 +22,13 @@ def run(engine: str, scenario: str, policy: str = "none", **parameters) -> Trial
 def test_a_planar_engine_says_why_it_does_not_play_a_scene_in_space() -> None:
     refused = run("pymunk", "four_stack", levels=2)
     assert (refused.status, refused.verdict) == ("unsupported", "none")
-    assert refused.message == "pymunk is a planar engine and four_stack-2 is not a planar scene"
+    assert refused.message == "pymunk is planar, but four_stack-2 is not a planar scene: choose another engine"
 
 
 @pytest.mark.parametrize(
     ("error", "status", "message"),
     [
-        (MemoryError(), "out_of_memory", "the process ran out of memory"),
+        (MemoryError(), "out_of_memory", "the process ran out of memory; run fewer jobs at a time"),
         (RuntimeError("no licence"), "error", "RuntimeError: no licence"),
         (RuntimeError("\x1b[31mno licence\x1b[0m"), "error", "RuntimeError: no licence"),
         (NotImplementedError("\x1b[31mno joints\x1b[0m"), "unsupported", "no joints"),
