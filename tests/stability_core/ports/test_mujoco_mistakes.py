@@ -46,7 +46,7 @@ def test_preparing_twice() -> None:
 
 
 def test_preparing_an_unknown_body() -> None:
-    with pytest.raises(ValueError, match=r"no body 'cop': pass names of bodies with a free joint: 'cup'"):
+    with pytest.raises(ValueError, match=r"no body 'cop': pass names of bodies that can freeze: 'cup'"):
         prepare(spec_of(world()), ["cop"])
 
 
