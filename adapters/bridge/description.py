@@ -36,8 +36,8 @@ def described(hello: Mapping[str, Any]) -> Description:
     """Return the description in a hello message.
 
     Raises:
-        ProtocolError: if the protocol has another version, or an entry is missing or unknown; the message names the
-            entry.
+        ProtocolError: if the protocol has another version, an entry is missing or not valid, or a capability is
+            unknown; the message names the entry.
     """
     if hello.get("protocol") != PROTOCOL:
         raise ProtocolError(

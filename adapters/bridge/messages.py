@@ -94,7 +94,7 @@ def json_body(content: object) -> bytes:
 
 
 def json_content(body: bytes | memoryview) -> dict[str, Any]:
-    """Return the content of a JSON body.
+    """Return the content of a JSON body, which must be an object.
 
     Raises:
         ProtocolError: if the body is not a JSON object.
@@ -134,7 +134,7 @@ def step_reply(body: bytes | memoryview, bodies: IntArray, states: int, table: F
         body: body of the answer.
         bodies: ids of the bodies whose states the answer must contain, in rising order, shape (m,).
         states: required number of states of each body.
-        table: latest states by id, shape (n, 13). If a state is not finite, the rows of all ``bodies`` become NaN.
+        table: latest states by id, shape (n, 13). If any state is not finite, the rows of all ``bodies`` become NaN.
 
     Raises:
         ProtocolError: if the answer has another length, other bodies, or numbers that are not valid.
