@@ -1,6 +1,6 @@
 """Contact points at the start of a substep, moved with the bodies to the end of the substep.
 
-With the pose (x, q) of a body before the substep and (x', q') after it, a point p on the body moves to
+A body has the pose (x, q) before the substep, and (x', q') after the substep. A point p on the body moves to
 
     p' = x' + r (p - x),   r = q' q^-1 as a rotation,
 

@@ -34,7 +34,7 @@ ENTRY_POINTS = "stillstack.engines"
 FILE_VARIABLE = "STILLSTACK_ENGINES"
 """Environment variable that names a file of engines."""
 DEFAULT_FILE = Path("engines.toml")
-"""File of engines in the working directory, which the suite reads if ``FILE_VARIABLE`` is not set."""
+"""File of engines in the working directory. The suite reads an existing file if ``FILE_VARIABLE`` is not set."""
 
 _KEYS = ("command", "profiles", "timeout_s")
 _BUILT_IN = frozenset(ENGINES)

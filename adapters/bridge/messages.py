@@ -20,7 +20,7 @@ from adapters.bridge.received import Finding, receive
 from stability_core.port import FloatArray, IntArray
 
 PROTOCOL = 1
-"""Version of the protocol, which changes whenever engines of the previous version would no longer work."""
+"""Version of the protocol. The number changes whenever engines of the previous version would no longer work."""
 HEADER = struct.Struct("<II")
 """Header of a message: length of the body [bytes], kind."""
 MAX_BODY = 2**26
@@ -56,7 +56,7 @@ class Kind(IntEnum):
 
 
 class Code(IntEnum):
-    """Codes of the commands in a step message, which the engine executes before the first substep."""
+    """Codes of the commands in a step message. The engine executes the commands before the first substep."""
 
     SPAWN = 1
     SPAWN_MOVED = 2
@@ -94,7 +94,7 @@ def json_body(content: object) -> bytes:
 
 
 def json_content(body: bytes | memoryview) -> dict[str, Any]:
-    """Return the content of a JSON body, which must be an object.
+    """Return the content of a JSON body.
 
     Raises:
         ProtocolError: if the body is not a JSON object.

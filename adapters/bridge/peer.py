@@ -32,8 +32,8 @@ _LAST_LINES = 2**12
 _LAUNCH = (
     "import ctypes, os, signal, sys; ctypes.CDLL(None).prctl(1, signal.SIGKILL); os.execvp(sys.argv[1], sys.argv[1:])"
 )
-"""Python script that starts a program. The kernel kills the program when its parent ends (Linux, PR_SET_PDEATHSIG),
-because an engine in an endless computation does not notice that its stdin is closed."""
+"""Python script that starts a program. The Linux kernel kills the program when its parent ends (PR_SET_PDEATHSIG).
+Otherwise an engine in an endless computation would run on, because it does not notice a closed stdin."""
 
 
 class Peer:

@@ -53,8 +53,8 @@ from stability_core.ports.shared.approach import Motions, fastest_approach
 _INSTANT_S = 1e-6
 """Step [s] in which ``find_contacts`` detects contacts. The step is short, so that no body moves."""
 _CLOCK_S = 1e-3
-"""Time [s] by which the reported time of the engine's steps may exceed the wall time of the frame, because the clocks
-of the engine and of the suite differ."""
+"""Time [s] by which the reported time of the engine's steps may exceed the frame's wall time, because the clocks of
+engine and suite differ."""
 
 
 class BridgeSimulation(Simulation):

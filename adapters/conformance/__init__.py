@@ -36,7 +36,7 @@ class Check:
     """One requirement of the contract, and the function that checks it."""
 
     measure: Callable[[Rig], None]
-    """Function that raises ``ConformanceError`` if the engine breaks the requirement, which its docstring states."""
+    """Function that raises ``ConformanceError`` if the engine breaks the requirement in the function's docstring."""
     capable: Callable[[Capabilities], bool] = lambda _: True
     """Function that returns whether the check applies to an engine with these capabilities."""
     as_shipped: bool = True

@@ -1,4 +1,4 @@
-"""Checks of bodies that the host moves, which follow a prescribed velocity, and of the friction on these bodies."""
+"""Checks of bodies that the host moves: their prescribed velocity, their friction, and their listing by the port."""
 
 from __future__ import annotations
 

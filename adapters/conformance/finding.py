@@ -84,7 +84,10 @@ def _require_normals(contacts: Contacts, normal: Vector, what: str) -> None:
 
 
 def _require_area(contacts: Contacts, low: Vector, high: Vector, what: str, gap: float = 0.0) -> None:
-    """Require all corners of the contact area from ``low`` to ``high`` [m], at ``gap`` [m], and no point outside."""
+    """Require all corners of the contact area from ``low`` to ``high`` [m], at ``gap`` [m], and no point outside.
+
+    The friction must be 0.45.
+    """
     error = np.abs(contacts.separation - gap).max(initial=0.0)
     require_between(0.0, error, NEAR_ENOUGH, f"error [m] of the separation found {what}, must be {gap} m")
     for corner in {*itertools.product(*zip(low, high, strict=True))}:

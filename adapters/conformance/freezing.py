@@ -88,7 +88,7 @@ def freezes_before_its_first_step(rig: Rig) -> None:
 
 
 def carries_a_live_brick(rig: Rig) -> None:
-    """Check that a frozen brick in the air bears a live brick, which sinks by at most 0.5 mm."""
+    """Check that a frozen brick in the air bears a live brick. The live brick may sink by at most 0.5 mm."""
     simulation = rig.open()
     shelf = simulation.spawn(plank(z=0.3))
     simulation.port.sleep([shelf])

@@ -74,7 +74,7 @@ def _tips(simulation: Simulation, upper: int) -> bool:
 
 
 def holds_an_overhanging_plank(rig: Rig) -> None:
-    """Check that a joined plank beyond its balance keeps its pose for 5 s, and tips once parted."""
+    """Check that a joined plank beyond its balance keeps its relative pose for 5 s, and tips once parted."""
     simulation, pair = _overhanging(rig)
     before = relative_pose(simulation, *pair)
     advance(simulation, 5.0)

@@ -43,8 +43,8 @@ def attach(
 ) -> Attachment:
     """Attach the stability extension to a simulation that you own.
 
-    Call ``update(dt)`` of the result after your steps, which simulate ``dt`` seconds in all. Joints, robots and other
-    bodies outside the extension's control keep their settings.
+    Call ``update(dt)`` of the result after your steps of ``dt`` seconds in all. Joints, robots and other bodies outside
+    the extension's control keep their settings.
 
     Args:
         world: PyBullet's client id (an integer) or client object; MuJoCo's ``MjData``; SAPIEN's ``Scene`` or its

@@ -94,7 +94,7 @@ class Attachment(StabilityExtension):
 
         Raises:
             ValueError: if ``dt`` is not the time of the steps since the previous update, or the port cannot follow the
-                world, for example because a pose is not finite; the message names the fix.
+                world. An example is a pose that is not finite. The message names the fix.
             RuntimeError: if the attachment is closed, or the call comes inside a step of the engine.
         """
         self._check_open()

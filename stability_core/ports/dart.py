@@ -16,8 +16,8 @@ lists the contacts of its sleeping bodies. The port changes no setting of the wo
 Traps:
 
 - DART's list of contacts refers to freed memory once a skeleton has left the world. The port then finds the contacts
-  again, until the next step. If you remove the last skeleton of a world and add the same skeleton again, do so after
-  ``update``, not between a step and ``update``, because the port does not detect this change.
+  again, until the next step. The port does not detect that you remove the last skeleton of a world and add the same
+  skeleton again. Make this change after ``update``, not between a step and ``update``.
 - By default, DART keeps at most 1000 contacts. A live body whose contacts DART has dropped does not freeze.
 """
 

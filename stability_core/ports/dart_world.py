@@ -133,7 +133,7 @@ class DartWorld(FreeBodyWorld):
         return bool(skeleton.getNumDofs()) and not skeleton.isMobile()
 
     def is_mover(self, body: int) -> bool:
-        """Return True for a mobile body with degrees of freedom, which forces or an actuator may move."""
+        """Return True for a mobile body with degrees of freedom, because forces or an actuator may move this body."""
         skeleton = self.nodes[body].getSkeleton()
         return bool(skeleton.getNumDofs()) and bool(skeleton.isMobile())
 

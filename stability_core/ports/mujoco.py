@@ -323,7 +323,7 @@ class MujocoPort:
                 self._shapes.add(body, solid)
 
     def _place(self, data: Data) -> None:
-        """Write the poses at the time of the contacts to the table of shapes, which gets the ground plane, if any."""
+        """Write the poses at the time of the contacts to the table of shapes, and add the ground if it is a plane."""
         if GROUND not in self._shapes and len(geoms_of(self.model, 0)) == 1:
             plane = solid_of(self.model, 0)
             if plane is not None and not len(plane.vertices):

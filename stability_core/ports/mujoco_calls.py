@@ -91,7 +91,7 @@ def speculative_rows(found: Found, rows: IntArray) -> IntArray:
 
 
 def fall(model: Model, falls: np.ndarray[Any, np.dtype[np.bool_]]) -> FloatArray:
-    """Return the change (n, 3) [m/s] that gravity causes in one step in the velocities of second to first bodies.
+    """Return the change (n, 3) [m/s] by gravity, in one step, of the velocity of each second body against the first.
 
     A pair with a speculative contact falls freely for that step, because the bodies do not touch yet.
 

@@ -31,9 +31,9 @@ def prepare(spec: Spec, bodies: Collection[str] | None = None) -> Spec:
 
     Args:
         spec: the model.
-        bodies: names of the bodies to control; None for all bodies that can freeze. Such a body has a free joint as its
-            only joint, a geom that collides, no bodies below it, no explicit contact pair and no equality constraint.
-            With None, the function names bodies without a name.
+        bodies: names of the bodies to control; None for all bodies that can freeze. These bodies have a free joint as
+            their only joint, a geom that collides, and no bodies below them. They have no explicit contact pair and no
+            equality constraint. With None, the function gives names to bodies without a name.
 
     Returns:
         The same model.

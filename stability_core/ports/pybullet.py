@@ -109,8 +109,8 @@ class PybulletPort:
         """Follow bodies that come and go, and check the time; return obstacles that have turned.
 
         Raises:
-            ValueError: if the client is closed, PyBullet runs by its own clock, the world contradicts ``dt``, a pose or
-                a velocity is not finite, or a body under control can no longer freeze.
+            ValueError: if the client is closed, PyBullet runs by its own clock, or the world contradicts ``dt``; if a
+                pose or a velocity is not finite; if a body under control can no longer freeze.
         """
         try:
             shown = self._read_parameters()

@@ -5,7 +5,7 @@ again has lost its mass and moment of inertia, so that the caller sets both.
 
 Traps:
 
-- A static body keeps the pending correction of its overlap (``v_bias``), which would move the body after
+- A static body keeps the pending correction of its overlap (``v_bias``). This correction would move the body after
   ``unfreeze``. An integration over a time of 0 clears the correction.
 - Chipmunk keeps the arbiters (contact records) of two static bodies without end. Other contacts soon reuse the memory
   of their points. ``forget_pairs`` deletes the arbiters.

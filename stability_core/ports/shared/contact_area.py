@@ -4,8 +4,8 @@ Some engines list penetrating points only, often three of a face's four corners,
 missing corners would bear force as well. This module completes the contacts of a pair at the normal that the engine
 lists. With heights along the normal:
 
-1. Select the vertices of body a within a tolerance of its greatest height, and the vertices of body b within the
-   tolerance of its least height.
+1. Select the vertices of body a near its greatest height, and the vertices of body b near its least height, within a
+   tolerance.
 2. Project both sets along the normal. Their convex hulls are the faces, edges or vertices that face each other.
 3. Intersect the hulls. The corners of the intersection are the corners of the contact area.
 4. Fit a plane to the heights of each set. The gap at a corner differs from the gap at the listed point by the
@@ -295,7 +295,7 @@ def missing_corners(
         sizes: half diagonals [m], shape (m,); infinite for a half space.
         axes: axes of cylinders in their own frames, shape (m, 3); zero for other bodies.
         a: row of the first body of each contact, shape (n,); contacts of a pair are adjacent. A negative row is a body
-            of unknown shape, which gets no corners.
+            of unknown shape. Pairs with this body get no corners.
         b: row of the second body of each contact, or a negative row as in ``a``, shape (n,).
         point: contact points [m], shape (n, 3).
         normal: unit normals from a to b, shape (n, 3).

@@ -34,7 +34,7 @@ class Touching(NamedTuple):
 
 
 class FreeBodyWorld(ABC):
-    """A user's world. Each body has an id, which the world never gives to another body."""
+    """A user's world. Each body has an id. The world never gives this id to another body."""
 
     engine: ClassVar[str]
     """Name of the engine in messages."""

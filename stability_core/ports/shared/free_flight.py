@@ -1,8 +1,7 @@
 """Checks that the time passed to ``update`` is the time of the engine's steps: whole steps, and bodies in free flight.
 
-A body without contacts moves by its velocity times the length of the frame. If bodies move by another multiple of
-their velocities, and by about the same multiple in several frames in a row, ``dt`` is not the time of the engine's
-steps.
+A body without contacts moves by its velocity times the length of the frame. Otherwise ``dt`` is not the time of the
+engine's steps. The check reports a fault if the same other multiple occurs in several frames in a row.
 """
 
 from __future__ import annotations
@@ -35,7 +34,7 @@ def check_steps(dt: float, step_s: float, engine: str, setter: str) -> None:
     """Raise ``ValueError`` unless ``dt`` [s] is a whole number of steps of ``step_s`` [s].
 
     Args:
-        dt: time passed to ``update``; 0, which passes the check, for no frame.
+        dt: time passed to ``update``; 0 for no frame passes the check.
         step_s: time of one step of the engine.
         engine: name of the engine in the message.
         setter: call or attribute by which a user sets the step.

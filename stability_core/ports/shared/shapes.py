@@ -120,7 +120,7 @@ class ShapeTable:
 
 
 def _joined(contacts: Contacts, row: IntArray, corner: FloatArray, gap: FloatArray) -> Contacts:
-    """Return the contacts, then corners (k, 3) with gaps (k,), which belong to the pairs of the rows ``row`` (k,)."""
+    """Return the contacts, then corners (k, 3) with gaps (k,). Corner i belongs to the pair of contact ``row[i]``."""
     more = replace(
         contacts.chosen(row),
         point=corner,
