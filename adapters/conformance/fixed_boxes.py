@@ -1,4 +1,4 @@
-"""Checks of a world's fixed boxes, which support, hold and stop bricks like the ground, and have the ground's id."""
+"""Checks of a world's fixed boxes: the boxes support, hold and stop bricks, and contacts name them as the ground."""
 
 from __future__ import annotations
 

@@ -64,9 +64,8 @@ def moves_by_impulse_over_mass(rig: Rig) -> None:
 def accelerates_by_force_over_mass(rig: Rig) -> None:
     """Check that a steady force F gives a live brick of mass m the velocity F t / m, and no spin.
 
-    A force of zero must end the steady force.
-
-    A frozen brick must not move under the force until the port unfreezes the brick.
+    A force of zero must end the steady force. A frozen brick must not move under a steady force until the port
+    unfreezes the brick.
     """
     simulation = rig.open(gravity=WEIGHTLESS)
     free, frozen = simulation.spawn(plank(z=0.5)), simulation.spawn(plank(x=0.5, z=0.5))

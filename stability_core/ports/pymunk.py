@@ -51,8 +51,8 @@ def open_port(world: pymunk.Space, bodies: Collection[pymunk.Body] | None) -> Py
 
     Raises:
         TypeError: if the world is no ``pymunk.Space``, or an object in ``bodies`` is no ``pymunk.Body``.
-        ValueError: if the space has Chipmunk's own sleeping, a body cannot freeze, ``bodies`` lists a body twice, or a
-            pose or a velocity is not finite.
+        ValueError: if Chipmunk's own sleeping is on, a body cannot freeze, ``bodies`` lists a body twice, or a pose or
+            a velocity is not finite.
         RuntimeError: if the space is inside a step.
     """
     if not isinstance(world, pymunk.Space):
@@ -101,7 +101,7 @@ class PymunkPort:
         While all bodies are at rest, the port reads and checks the space only after each ``LOOK_S``.
 
         Raises:
-            ValueError: if the space contradicts ``dt``, has Chipmunk's own sleeping, or a pose or a velocity is not
+            ValueError: if the space contradicts ``dt``, Chipmunk's own sleeping is on, or a pose or a velocity is not
                 finite.
             RuntimeError: if the space is inside a step.
         """
@@ -187,7 +187,7 @@ class PymunkPort:
     def contacts(self) -> Contacts:
         """Return the contacts that touch a live body, or join a frozen body and an obstacle that moves.
 
-        The contacts include impacts on frozen bodies that lie ahead: see ``contacts_ahead``.
+        The contacts include coming impacts of fast bodies on frozen bodies: see ``contacts_ahead``.
         """
         bodies, finds, self._finds = self._bodies, self._finds, False
         if not (bodies.live or bodies.has_loose or self._movers):

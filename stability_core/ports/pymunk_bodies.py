@@ -215,7 +215,7 @@ class PymunkBodies:
         self._removed.append(self.id_of[planar])
 
     def _forget(self, planar: pymunk.Body) -> None:
-        """Forget a body that left the space, and make a frozen body dynamic, because the host may add it again."""
+        """Forget a body that left the space; make a frozen body dynamic, because the host may add the body again."""
         body = self.id_of[planar]
         if planar in self.live or planar in self.frozen:
             self._let_go(planar)

@@ -103,7 +103,7 @@ class RapierWorld(FreeBodyWorld):
         return self._bodies.follow()
 
     def can_read(self, bodies: Collection[int]) -> bool:
-        """Return True if ``bodies`` are in the world, and the numbers of bodies and colliders are as before."""
+        """Return True if ``bodies`` are in the world, and the world has as many bodies and colliders as before."""
         return self._bodies.are_current(bodies)
 
     def rest(self) -> None:

@@ -218,8 +218,8 @@ def area_corners(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the corners (k, 3) [m] of the contact area of two convex bodies, and their gaps (k,) [m].
 
-    The result omits corners with another gap than ``gap``. Two edges that cross have no corners, because they meet in
-    the listed point.
+    The result omits corners whose gap differs from ``gap`` by more than ``near``. Two edges that cross have no corners,
+    because these edges meet in the listed point.
 
     Args:
         vertices_a: vertices of body a in the world's frame, shape (m, 3); m = 0 for a half space.
@@ -292,7 +292,8 @@ def missing_corners(
         vertices: vertices of all bodies in their own frames [m], shape (v, 3).
         first_vertex: first vertex of each body, and v, shape (m + 1,).
         poses: positions [m] and quaternions (x, y, z, w), shape (m, 7).
-        sizes: half diagonals [m], shape (m,); infinite for a half space.
+        sizes: greatest distance [m] of each body's vertices from its own origin, such as the half diagonal of a box,
+            shape (m,); infinite for a half space.
         axes: axes of cylinders in their own frames, shape (m, 3); zero for other bodies.
         a: row of the first body of each contact, shape (n,); contacts of a pair are adjacent. A negative row is a body
             of unknown shape. Pairs with this body get no corners.

@@ -71,7 +71,7 @@ def test_the_system_of_a_scene_is_the_same_world(scene) -> None:
 
 
 def test_a_body_that_does_not_exist(scene) -> None:
-    with pytest.raises(ValueError, match=r"no body 99: pass entity.per_scene_id of bodies in the world"):
+    with pytest.raises(ValueError, match=r"no body 99: pass entity.per_scene_id of a body in the world"):
         attach(scene, bodies=[99])
 
 
