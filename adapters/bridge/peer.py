@@ -101,7 +101,8 @@ class Peer:
             )
         if answered != kind:
             raise ProtocolError(
-                f"the engine's answer must have the kind {kind.value}, or 4 for an error, got {answered}"
+                f"the engine's answer must have the kind {kind.value}, or 4 for an error, got {answered}: give the "
+                "answer the kind of the message"
             )
         return answer
 
@@ -181,7 +182,9 @@ class Peer:
                 "process runs"
             )
         ending = f"with status {code}" if code >= 0 else f"by signal {-code}"
-        return PeerExitError(f"the engine's process ended {ending}: {self._last_line()}")
+        return PeerExitError(
+            f"the engine's process ended {ending}: {self._last_line()}; find the cause in the engine's program"
+        )
 
     def _last_line(self) -> str:
         """Return the last line with text that the engine printed to stderr, or "it printed nothing"."""
