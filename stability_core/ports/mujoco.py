@@ -148,7 +148,8 @@ class MujocoPort:
         if not math.isfinite(self.data.qpos.sum() + self.data.qvel.sum()):
             raise ValueError(
                 "this MuJoCo simulation has a pose or a velocity that is not finite, because the simulation has "
-                "diverged: use a smaller timestep or softer contacts"
+                "diverged or the program has set the value: use a smaller timestep or softer contacts, or correct the "
+                "value"
             )
         turned = [body for body, turn in self._turns.items() if abs(self.data.xquat[body] - turn).max() > _TURNED]
         self._turns = {body: self.data.xquat[body].copy() for body in self._obstacles}

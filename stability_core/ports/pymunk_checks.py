@@ -50,6 +50,6 @@ def check_finite(bodies: Sequence[pymunk.Body], state: FloatArray) -> None:
     if not np.isfinite(state).all():
         row = np.flatnonzero(~np.isfinite(state).all(axis=1))[0]
         raise ValueError(
-            f"{bodies[row]} has a pose or a velocity that is not finite, because the simulation has diverged: use a "
-            "smaller step, or remove the body"
+            f"{bodies[row]} has a pose or a velocity that is not finite, because the simulation has diverged or the "
+            "program has set the value: use a smaller step, correct the value, or remove the body"
         )

@@ -23,8 +23,8 @@ def check_finite(ids: IntArray, rows: FloatArray) -> None:
     if not np.isfinite(rows).all():
         body = ids[np.flatnonzero(~np.isfinite(rows).all(axis=1))[0]]
         raise ValueError(
-            f"body {body} has a pose or a velocity that is not finite, because the simulation has diverged: use "
-            "a smaller step or softer contacts, or remove the body"
+            f"body {body} has a pose or a velocity that is not finite, because the simulation has diverged or the "
+            "program has set the value: use a smaller step or softer contacts, correct the value, or remove the body"
         )
 
 

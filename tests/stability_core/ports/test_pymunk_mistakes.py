@@ -164,7 +164,9 @@ def test_a_pose_that_is_not_finite() -> None:
         space.step(STEP_S)
         body.velocity_func = lambda body, *_: setattr(body, "angular_velocity", math.inf)
         space.step(STEP_S)
-        with pytest.raises(ValueError, match=r"not finite, because the simulation has diverged: use a smaller step"):
+        with pytest.raises(
+            ValueError, match=r"not finite, because the simulation has diverged or .*: use a smaller step"
+        ):
             extension.update(STEP_S)
 
 

@@ -143,7 +143,7 @@ def test_a_pose_that_is_not_finite(scene) -> None:
     entity = add(scene, (0.0, 0.0, 1.0))
     with attach(scene) as extension:
         entity.pose = sapien.Pose([np.nan, 0.0, 0.0])
-        with pytest.raises(ValueError, match=f"body {entity.per_scene_id} .*diverged: use a smaller step"):
+        with pytest.raises(ValueError, match=f"body {entity.per_scene_id} .*diverged or .*: use a smaller step"):
             extension.update(STEP_S)
 
 
