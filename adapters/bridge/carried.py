@@ -1,6 +1,6 @@
 """Contact points at the start of a substep, moved with the bodies to the end of the substep.
 
-With the pose (x, q) of a body before the substep and (x', q') after it, a point p on the body moves to
+A body has the pose (x, q) before the substep, and (x', q') after the substep. A point p on the body moves to
 
     p' = x' + r (p - x),   r = q' q^-1 as a rotation,
 
@@ -21,7 +21,7 @@ def carried(
     """Return points midway between both bodies (n, 3) [m], normals (n, 3) and separations (n,) [m] after a substep.
 
     Args:
-        rows: contact points before the substep: bodies a and b, points on a and b, normal, and force, shape (n, 14).
+        rows: contact points at the poses ``before``: bodies a and b, points on a and b, normal, force, shape (n, 14).
         bodies: ids of the bodies that may move, in rising order, shape (m,); all other bodies are at rest.
         before: states of ``bodies`` before the substep, shape (m, 13).
         after: states of ``bodies`` after the substep, shape (m, 13); if equal to ``before``, no point moves.
@@ -36,8 +36,8 @@ def _turned(first: FloatArray, second: FloatArray, vector: FloatArray, center: F
     """Turn the offset of a point from ``center`` with a body, and write the result into ``out``.
 
     Args:
-        first: quaternion of the body before the turn, shape (4,).
-        second: quaternion of the body after the turn, shape (4,).
+        first: quaternion (w, x, y, z) of the body before the turn, shape (4,).
+        second: quaternion (w, x, y, z) of the body after the turn, shape (4,).
         vector: the point, shape (3,).
         center: centre of the turn, shape (3,).
         out: output, shape (3,).

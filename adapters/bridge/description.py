@@ -36,8 +36,8 @@ def described(hello: Mapping[str, Any]) -> Description:
     """Return the description in a hello message.
 
     Raises:
-        ProtocolError: if the protocol has another version, or an entry is missing or unknown; the message names the
-            entry.
+        ProtocolError: if the protocol has another version, an entry is missing or not valid, or a capability is
+            unknown; the message names the entry.
     """
     if hello.get("protocol") != PROTOCOL:
         raise ProtocolError(
@@ -59,12 +59,17 @@ def _detection(said: object) -> Detection:
         return "start"
     if said == "end":
         return "end"
-    raise ProtocolError(f"hello: 'contacts_at' must be 'start' or 'end' (of a substep), got {said!r}")
+    raise ProtocolError(
+        f"hello: 'contacts_at' must be 'start' or 'end' (of a substep), got {said!r}; write the time of the poses at "
+        "which the engine detects contacts"
+    )
 
 
 def _capabilities(said: Any) -> Capabilities:
     if not isinstance(said, dict):
-        raise ProtocolError(f"hello: 'capabilities' must be a JSON object, got {said!r}")
+        raise ProtocolError(
+            f"hello: 'capabilities' must be a JSON object, got {said!r}; write the object as in docs/bridge.md"
+        )
     said = _UNLESS_SAID | said
     known = {field.name: field for field in fields(Capabilities) if field.name not in _NOT_IN_PROTOCOL}
     for name, value in said.items():
@@ -72,7 +77,9 @@ def _capabilities(said: Any) -> Capabilities:
             raise ProtocolError(f"hello: unknown capability '{name}'; use these: {', '.join(known)}")
         wanted = bool if known[name].type in ("bool", bool) else str
         if type(value) is not wanted:
-            raise ProtocolError(f"hello: capability '{name}' must be a {wanted.__name__}, got {value!r}")
+            raise ProtocolError(
+                f"hello: capability '{name}' must be a {wanted.__name__}, got {value!r}; correct the value"
+            )
     for name, field in known.items():
         if name not in said and field.default is MISSING:
             raise ProtocolError(f"hello: capability '{name}' is missing; add this capability (see docs/bridge.md)")
@@ -82,11 +89,14 @@ def _capabilities(said: Any) -> Capabilities:
 def _text(hello: Mapping[str, Any], key: str) -> str:
     text = hello.get(key)
     if not (isinstance(text, str) and text.strip()):
-        raise ProtocolError(f"hello: '{key}' must be a text that is not empty, got {text!r}")
+        raise ProtocolError(f"hello: '{key}' must be a text that is not empty, got {text!r}; write a text")
     return text
 
 
 def _noise(speed: object) -> float:
     if not (isinstance(speed, (int, float)) and 0.0 <= speed < 1.0):
-        raise ProtocolError(f"hello: 'solver_noise' must be a speed [m/s] of at least 0 and less than 1, got {speed!r}")
+        raise ProtocolError(
+            f"hello: 'solver_noise' must be a speed [m/s] of at least 0 and less than 1, got {speed!r}; write the "
+            "greatest speed at which bodies at rest vibrate"
+        )
     return float(speed)

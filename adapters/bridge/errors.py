@@ -13,16 +13,16 @@ class PeerError(RuntimeError):
 
 
 class ProtocolError(PeerError):
-    """Error for an engine that breaks the protocol; the message states the received and the required content."""
+    """Error for an engine that breaks the protocol; the message states the required content and the fault."""
 
 
 class PeerExitError(PeerError):
-    """Error for an engine whose process ended; the message contains the exit status and the last line on stderr."""
+    """Error for an engine whose process ended; the message has the exit status or signal, and the last stderr line."""
 
     status = "crashed"
 
 
 class PeerTimeoutError(PeerError):
-    """Error for an engine that did not answer in time; the suite has killed the engine's process."""
+    """Error for an engine that did not read a message and answer in time; the suite has killed the engine's process."""
 
     status = "timeout"

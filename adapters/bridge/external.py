@@ -3,9 +3,9 @@
 A file of engines (``engines.toml``) has a table for each engine::
 
     [NAME]
-    command = ["program", "argument"]     # the suite starts it in the folder of this file
+    command = ["program", "argument"]     # the suite starts the program in the folder of this file
     profiles = "NAME.toml"                # settings, in the layout of adapters/profile_files.py; default: one profile
-    timeout_s = 60                        # time limit [s] for the answer to each message
+    timeout_s = 60                        # time limit [s] for the answer to each message; default: 60
 
 A package offers an adapter, a subclass of ``adapters.base.Simulation``, as an entry point of ``ENTRY_POINTS``.
 """
@@ -34,7 +34,7 @@ ENTRY_POINTS = "stillstack.engines"
 FILE_VARIABLE = "STILLSTACK_ENGINES"
 """Environment variable that names a file of engines."""
 DEFAULT_FILE = Path("engines.toml")
-"""File of engines in the working directory, which the suite reads if ``FILE_VARIABLE`` is not set."""
+"""File of engines in the working directory. The suite reads an existing file if ``FILE_VARIABLE`` is not set."""
 
 _KEYS = ("command", "profiles", "timeout_s")
 _BUILT_IN = frozenset(ENGINES)
@@ -71,7 +71,11 @@ class ExternalEntry:
         return f"check that its command runs: {list(self.command)}, from {self.source}"
 
     def version(self) -> str:
-        """Return the version that the engine reports."""
+        """Return the version that the engine reports; the first call in a process starts the engine.
+
+        Raises:
+            PeerError: if the engine does not start, or its hello message is not valid.
+        """
         return _describe(self).version
 
     def load(self) -> type[BridgeSimulation]:
@@ -88,7 +92,7 @@ def register_command(command: Sequence[str], profiles: Path | None) -> str:
     """Add the engine that a command starts to ``ENGINES``, under the name in its hello message; return the name.
 
     Raises:
-        EnginesFileError: if this suite already has an engine of that name.
+        EnginesFileError: if the suite itself has an engine of that name.
         PeerError: if the engine does not start, or its hello message is not valid.
     """
     entry = ExternalEntry("", tuple(command), Path.cwd(), profiles.absolute() if profiles else None)
@@ -98,10 +102,13 @@ def register_command(command: Sequence[str], profiles: Path | None) -> str:
 
 
 def register_external() -> None:
-    """Add the engines of the file and of the entry points to ``ENGINES``, without starting or importing them.
+    """Add the engines of the entry points and of the file to ``ENGINES``, without starting or importing them.
+
+    If external engines have the same name, the latest entry replaces the earlier entries.
 
     Raises:
-        EnginesFileError: if the file is invalid, or this suite already has an engine of the same name.
+        EnginesFileError: if the file is missing or invalid, or the suite itself has an engine of the same name. A
+            missing ``DEFAULT_FILE`` is no error.
     """
     for point in importlib.metadata.entry_points(group=ENTRY_POINTS):
         package = point.dist.name if point.dist else point.module
@@ -197,7 +204,8 @@ def _entry(path: Path, name: str, table: Any) -> ExternalEntry:
     command, profiles, timeout_s = table.get("command"), table.get("profiles"), table.get("timeout_s", SILENCE_S)
     if not (isinstance(command, list) and command and all(isinstance(word, str) for word in command)):
         raise EnginesFileError(
-            f"{where}: 'command' must be a list of texts, such as ['program', 'argument'], got {command!r}"
+            f"{where}: 'command' must be a list of texts, at least the program, such as ['program', 'argument'], got "
+            f"{command!r}"
         )
     if profiles is not None and not isinstance(profiles, str):
         raise EnginesFileError(f"{where}: 'profiles' must be the name of a file, such as 'NAME.toml', got {profiles!r}")

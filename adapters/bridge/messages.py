@@ -20,7 +20,7 @@ from adapters.bridge.received import Finding, receive
 from stability_core.port import FloatArray, IntArray
 
 PROTOCOL = 1
-"""Version of the protocol, which changes whenever engines of the previous version would no longer work."""
+"""Version of the protocol. The number changes whenever engines of the previous version would no longer work."""
 HEADER = struct.Struct("<II")
 """Header of a message: length of the body [bytes], kind."""
 MAX_BODY = 2**26
@@ -56,7 +56,7 @@ class Kind(IntEnum):
 
 
 class Code(IntEnum):
-    """Codes of the commands in a step message, which the engine executes before the first substep."""
+    """Codes of the commands in a step message. The engine executes the commands before the first substep."""
 
     SPAWN = 1
     SPAWN_MOVED = 2
@@ -103,10 +103,11 @@ def json_content(body: bytes | memoryview) -> dict[str, Any]:
         content = json.loads(bytes(body))
     except ValueError as error:
         raise ProtocolError(
-            f"the engine's answer must be a JSON object, got {bytes(body[:60])!r}, which is not JSON ({error})"
+            f"the engine's answer must be a JSON object, got {bytes(body[:60])!r}, which is not JSON ({error}): "
+            "write a JSON object in UTF-8"
         ) from error
     if not isinstance(content, dict):
-        raise ProtocolError(f"the engine's answer must be a JSON object, got {bytes(body[:60])!r}")
+        raise ProtocolError(f"the engine's answer must be a JSON object, got {bytes(body[:60])!r}: see docs/bridge.md")
     return content
 
 
@@ -134,21 +135,33 @@ def step_reply(body: bytes | memoryview, bodies: IntArray, states: int, table: F
         body: body of the answer.
         bodies: ids of the bodies whose states the answer must contain, in rising order, shape (m,).
         states: required number of states of each body.
-        table: latest states by id, shape (n, 13). If a state is not finite, the rows of all ``bodies`` become NaN.
+        table: latest states by id, shape (n, 13). If any state is not finite, the rows of all ``bodies`` become NaN.
 
     Raises:
         ProtocolError: if the answer has another length, other bodies, or numbers that are not valid.
     """
     length, rest = divmod(len(body), _WORD)
     if rest:
-        raise ProtocolError(f"the answer to a step must consist of 64-bit floats, 8 bytes each, got {len(body)} bytes")
+        raise ProtocolError(
+            f"the answer to a step must consist of 64-bit floats, 8 bytes each, got {len(body)} bytes: write "
+            "whole floats"
+        )
     if len(body) < _REPLY_HEAD.size:
-        raise ProtocolError(f"the answer to a step must begin with {_REPLY_HEAD.size // _WORD} numbers, got {length}")
+        raise ProtocolError(
+            f"the answer to a step must begin with {_REPLY_HEAD.size // _WORD} numbers, got {length}: write the time "
+            "of the steps, then the four counts"
+        )
     engine_s, *counts = _REPLY_HEAD.unpack_from(body)
     if not 0.0 <= engine_s < math.inf:
-        raise ProtocolError(f"the time of the engine's steps must be finite and at least 0 s, got {engine_s} s")
+        raise ProtocolError(
+            f"the time of the engine's steps must be finite and at least 0 s, got {engine_s} s: correct the "
+            "engine's clock"
+        )
     if not all(count >= 0.0 and count.is_integer() for count in counts):
-        raise ProtocolError(f"the counts in the answer to a step must be whole numbers of at least 0, got {counts}")
+        raise ProtocolError(
+            f"the counts in the answer to a step must be whole numbers of at least 0, got {counts}: write the counts "
+            "as 64-bit floats"
+        )
     listed, blocks, points, forces = map(int, counts)
     of_points = listed + blocks * listed * STATE_WIDTH
     of_forces = of_points + points * CONTACT_WIDTH
@@ -156,7 +169,7 @@ def step_reply(body: bytes | memoryview, bodies: IntArray, states: int, table: F
     if length != _REPLY_HEAD.size // _WORD + needed:
         raise ProtocolError(
             f"an answer with {blocks} states of {listed} bodies, {points} contact points and {forces} forces must have "
-            f"{_REPLY_HEAD.size // _WORD + needed} numbers, got {length}"
+            f"{_REPLY_HEAD.size // _WORD + needed} numbers, got {length}: write counts that fit the numbers"
         )
     words = np.frombuffer(body, np.float64, offset=_REPLY_HEAD.size)
     finding: int = Finding.OTHER_BODIES
@@ -165,7 +178,8 @@ def step_reply(body: bytes | memoryview, bodies: IntArray, states: int, table: F
     if finding == Finding.OTHER_BODIES:
         raise ProtocolError(
             f"the answer must have {states} states of the live and moved bodies, by rising id, "
-            f"{_listed(bodies)}; got {blocks} states of {_listed(words[:listed])}"
+            f"{_listed(bodies)}; got {blocks} states of {_listed(words[:listed])}: write these states, in the "
+            "order of these ids"
         )
     if finding == Finding.POINTS_NOT_FINITE:
         raise ProtocolError(

@@ -20,20 +20,20 @@ from adapters.bridge.errors import PeerError, PeerExitError, PeerTimeoutError, P
 from adapters.bridge.messages import HEADER, MAX_BODY, Kind, json_content
 
 SILENCE_S = 60.0
-"""Time limit [s] for an answer, after which the suite kills the engine; the limit is long, so that the suite kills no
-working engine."""
+"""Default time limit [s] for an answer, after which the suite kills the engine. The limit is long, so that the suite
+kills no working engine."""
 _END_S = 1.0
 """Time limit [s] for an engine to end after ``Peer`` has closed its stdin."""
 _PIPE_BYTES = 2**20
 """Capacity of the pipes and of the first buffer [bytes], so that one read receives a frame. The system's default of
-64 KiB would hold only the states of 100 bodies over four substeps, without contacts."""
+64 KiB would hold only the states of 100 bodies over five substeps, without contacts."""
 _LAST_LINES = 2**12
 """Number of bytes at the end of the engine's stderr in which ``Peer`` looks for the last line."""
 _LAUNCH = (
     "import ctypes, os, signal, sys; ctypes.CDLL(None).prctl(1, signal.SIGKILL); os.execvp(sys.argv[1], sys.argv[1:])"
 )
-"""Python script that starts a program. The kernel kills the program when its parent ends (Linux, PR_SET_PDEATHSIG),
-because an engine in an endless computation does not notice that its stdin is closed."""
+"""Python script that starts a program. The Linux kernel kills the program when its parent ends (PR_SET_PDEATHSIG).
+Otherwise an engine in an endless computation would run on, because it does not notice a closed stdin."""
 
 
 class Peer:
@@ -48,7 +48,7 @@ class Peer:
             timeout_s: time limit for the answer to each message.
 
         Raises:
-            PeerError: if the program does not exist.
+            PeerError: if ``folder`` and PATH have no executable program of this name.
         """
         program = shutil.which(command[0], path=f"{folder}{os.pathsep}{os.environ.get('PATH', os.defpath)}")
         if program is None:
@@ -86,9 +86,10 @@ class Peer:
 
         Raises:
             PeerError: if the engine answers with an error.
-            ProtocolError: if the answer has another kind or breaks the protocol.
+            ProtocolError: if the answer has another kind or breaks the protocol, or the process closes a pipe and runs
+                on.
             PeerExitError: if the process ends.
-            PeerTimeoutError: if the answer does not arrive in time.
+            PeerTimeoutError: if the answer does not arrive in time; the method has killed the process.
         """
         deadline = monotonic() + self._timeout_s
         self._send(HEADER.pack(len(body), kind) + body, deadline)
@@ -100,12 +101,13 @@ class Peer:
             )
         if answered != kind:
             raise ProtocolError(
-                f"the engine's answer must have the kind {kind.value}, or 4 for an error, got {answered}"
+                f"the engine's answer must have the kind {kind.value}, or 4 for an error, got {answered}: give the "
+                "answer the kind of the message"
             )
         return answer
 
     def close(self) -> None:
-        """Close the engine's stdin so that its process ends, and kill the process if it continues."""
+        """Close the pipes to the engine, so that its process ends; kill the process if it runs on for ``_END_S``."""
         self._end()
 
     def _send(self, message: bytes, deadline: float) -> None:
@@ -158,7 +160,11 @@ class Peer:
             )
 
     def _await(self, poll: select.poll, deadline: float) -> None:
-        """Wait until a pipe is ready for the next read or write."""
+        """Wait until a pipe is ready for the next read or write.
+
+        Raises:
+            PeerTimeoutError: if the deadline passes; the method has killed the process.
+        """
         if not poll.poll(max(0.0, (deadline - monotonic()) * 1e3)):
             self._process.kill()
             raise PeerTimeoutError(
@@ -176,10 +182,12 @@ class Peer:
                 "process runs"
             )
         ending = f"with status {code}" if code >= 0 else f"by signal {-code}"
-        return PeerExitError(f"the engine's process ended {ending}: {self._last_line()}")
+        return PeerExitError(
+            f"the engine's process ended {ending}: {self._last_line()}; find the cause in the engine's program"
+        )
 
     def _last_line(self) -> str:
-        """Return the last line that the engine printed to stderr."""
+        """Return the last line with text that the engine printed to stderr, or "it printed nothing"."""
         size = self._printed.seek(0, os.SEEK_END)
         self._printed.seek(max(0, size - _LAST_LINES))
         lines = [line.strip() for line in self._printed.read().decode(errors="replace").splitlines() if line.strip()]

@@ -29,7 +29,7 @@ def receive(words: FloatArray, bodies: IntArray, blocks: int, table: FloatArray)
     """Check the numbers of an answer, and store each body's latest state in the row of its id.
 
     Args:
-        words: ids (m,), states of ``blocks`` moments (blocks, m, w), then contact points and forces, one array.
+        words: one array of ids (m,), states at ``blocks`` times (blocks, m, w), contact points and forces.
         bodies: ids of the bodies that the answer must contain, in rising order, shape (m,).
         blocks: number of states of each body, at least 1.
         table: latest states by id, shape (n, w); the rows of ``bodies`` become NaN if any state is not finite.

@@ -2,11 +2,12 @@
 
 The simulation collects the host's changes between two frames (spawned, frozen or pushed bodies, for example) and sends
 these changes with the next step. Until then the simulation predicts the states: a pushed body has its new velocity, a
-moved body its new pose. The state of a frozen body is the latest state before its freeze, and no message requests this
-state again.
+moved body its new pose. A frozen body keeps the latest pose before its freeze, at rest, and no message requests its
+state until its unfreeze.
 
-``find_contacts`` starts a second process, and opens a world in it with the same bodies, weightless and at rest. The
-contacts of one very short step in this world are the result, so that the first world does not change.
+The first ``find_contacts`` starts a second process. Each call opens a world in this process with the same bodies,
+weightless and at rest. The contacts of one very short step in this world are the result, so that the first world does
+not change.
 """
 
 from __future__ import annotations
@@ -52,12 +53,12 @@ from stability_core.ports.shared.approach import Motions, fastest_approach
 _INSTANT_S = 1e-6
 """Step [s] in which ``find_contacts`` detects contacts. The step is short, so that no body moves."""
 _CLOCK_S = 1e-3
-"""Time [s] by which the reported time of the engine's steps may exceed the wall time of the frame, because the clocks
-of the engine and of the suite differ."""
+"""Time [s] by which the reported time of the engine's steps may exceed the frame's wall time, because the clocks of
+engine and suite differ."""
 
 
 class BridgeSimulation(Simulation):
-    """One world of an engine in a separate process. A subclass defines ``command``, which starts the engine."""
+    """One world of an engine in a separate process. A subclass defines ``command``, the engine's command line."""
 
     folder: ClassVar[Path] = Path()
     """Working directory of the engine's process."""
@@ -190,7 +191,8 @@ class BridgeSimulation(Simulation):
         """Start a process of the engine, and return it.
 
         Raises:
-            ProtocolError: if the engine's version differs from the recorded version.
+            ProtocolError: if the engine's version differs from the recorded version, or the hello message is not valid.
+            PeerError: if the engine does not start, or reports an error.
         """
         peer = Peer(self.command(), self.folder, self.timeout_s)
         said = described(json_content(peer.ask(Kind.HELLO, json_body({"protocol": PROTOCOL}))))
@@ -235,7 +237,11 @@ class BridgeSimulation(Simulation):
         self._states[body] = (*position, *quaternion, *(0.0,) * 6)
 
     def _exchange(self, substep_s: float, substeps: int, is_read: bool, bodies: IntArray) -> StepReply:
-        """Send the collected commands with a step, and return the answer."""
+        """Send the collected commands with a step, and return the answer.
+
+        Raises:
+            PeerError: if the engine fails, or breaks the protocol.
+        """
         question = step_body(substep_s, substeps, is_read, self._commands)
         self._commands.clear()
         answer = self._peer.ask(Kind.STEP, question)

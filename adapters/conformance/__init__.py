@@ -1,7 +1,8 @@
 """The contract of every adapter: a list of physical checks, the same list for all engines.
 
-``for check in CHECKS: check.run("bullet", "game")`` raises ``ConformanceError`` at the first check that fails. All
-scenes lie in the x-z plane, so that planar engines can pass the same checks.
+``check.run("bullet", "game")`` raises ``ConformanceError`` if the engine breaks the requirement of the check. An engine
+must pass each check of ``CHECKS`` for which ``Check.applies`` returns True. The scenes of planar engines lie in the x-z
+plane. Two checks of other engines leave this plane.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ class Check:
     """One requirement of the contract, and the function that checks it."""
 
     measure: Callable[[Rig], None]
-    """Function that raises ``ConformanceError`` if the requirement is broken; its docstring states the requirement."""
+    """Function that raises ``ConformanceError`` if the engine breaks the requirement in the function's docstring."""
     capable: Callable[[Capabilities], bool] = lambda _: True
     """Function that returns whether the check applies to an engine with these capabilities."""
     as_shipped: bool = True
@@ -43,24 +44,34 @@ class Check:
 
     @property
     def name(self) -> str:
-        """Return the name of the function, which states the requirement in a few words."""
+        """Return the name of ``measure``, a short form of the requirement."""
         return self.measure.__name__
 
     def applies(self, engine: str, profile: str) -> bool:
-        """Return whether this engine under this profile must pass the check."""
+        """Return whether this engine under this profile must pass the check.
+
+        Raises:
+            UnknownNameError: if no engine has this name.
+        """
         return self.capable(registry.capabilities(engine)) and (self.as_shipped or base_name(profile) != "default")
 
     def run(self, engine: str, profile: str) -> None:
-        """Run the check on an engine.
+        """Run the check on an engine, without regard to ``applies``.
 
         Raises:
             ConformanceError: if the check fails; the message states the measured and the required value.
+            UnknownNameError: if no engine or no profile has this name.
+            EngineNotInstalledError: if the engine's package is missing.
         """
         rig = Rig(lambda world: registry.open_engine(engine, profile, world=world), registry.capabilities(engine))
         self.run_in(rig)
 
     def run_in(self, rig: Rig) -> None:
-        """Run the check on the worlds of a rig."""
+        """Run the check on the worlds of a rig, and close the rig.
+
+        Raises:
+            ConformanceError: if the check fails; the message states the measured and the required value.
+        """
         try:
             self.measure(rig)
         finally:

@@ -1,4 +1,4 @@
-"""Checks that the port lists bodies before they collide, and does not list bodies that pass each other."""
+"""Checks that the port lists a pair of bodies before a collision, and omits a pair that will not collide."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ HEIGHT = 0.5
 
 
 def _fly(rig: Rig, speed: float, above: float) -> list[tuple[float, float, float, bool]]:
-    """Let a cube fly towards a frozen plank until the cube has passed the plank or has stopped.
+    """Let a cube fly towards a frozen plank until the cube has passed the plank or has slowed down, at most 60 frames.
 
     Args:
         rig: source of the world.
@@ -27,7 +27,7 @@ def _fly(rig: Rig, speed: float, above: float) -> list[tuple[float, float, float
         - the gap between cube and plank along x [m];
         - the listed separation [m], NaN if the port does not list the pair;
         - the listed closing speed [m/s], NaN if the port does not list the pair;
-        - True if the cube still has its initial speed.
+        - True if the cube has more than 90 % of its initial speed along x.
     """
     simulation = rig.open(gravity=WEIGHTLESS)
     target = simulation.spawn(plank(z=HEIGHT))
@@ -72,11 +72,11 @@ def lists_what_is_about_to_strike(rig: Rig) -> None:
 
 
 def does_not_list_what_passes_by(rig: Rig) -> None:
-    """Check that the port omits a cube that passes 5 mm above a frozen plank at 2 or 10 m/s."""
+    """Check that the port omits a cube that passes 5 mm above a frozen plank at 2 or 10 m/s, and keeps its speed."""
     for speed in (2.0, 10.0):
         seen = _fly(rig, speed, EDGE / 2 + 3.9e-3 + 5e-3)
         listed = [row for row in seen if not np.isnan(row[1])]
         require(
             not listed, f"the port lists a cube that passes at {speed} m/s in {len(listed)} frames, must not list it"
         )
-        require(seen[-1][3], f"a cube that passes at {speed} m/s was stopped, must keep its speed")
+        require(seen[-1][3], f"a cube that passes at {speed} m/s lost a tenth of its speed, must keep its speed")

@@ -31,7 +31,10 @@ from stability_core.port import GROUND, Contacts
 
 
 def _require_well_formed(simulation: Simulation, contacts: Contacts) -> None:
-    """Require the right shapes and ids, finite numbers, and a live body in every contact."""
+    """Raise ``ConformanceError`` unless contacts have arrays of the right shapes, and known ids.
+
+    Points, normals and friction must be finite, normals must have unit length, and a live body must be in each contact.
+    """
     n = len(contacts)
     for name, shape in {
         "body_b": (n,),
@@ -58,9 +61,9 @@ def _require_well_formed(simulation: Simulation, contacts: Contacts) -> None:
 
 
 def reports_a_resting_brick(rig: Rig) -> None:
-    """Check that the contact points of a brick at rest lie on its lower face, around its centre.
+    """Check that the contact points of a brick at rest lie on its lower face, and span most of this face.
 
-    Normals must point from a to b.
+    The brick must touch its support only. Normals must point from a to b.
     """
     simulation = rig.open()
     (support,) = frozen_column(simulation, 1)
@@ -158,7 +161,10 @@ def reports_a_support_a_hair_below(rig: Rig) -> None:
 
 
 def reports_every_pair(rig: Rig) -> None:
-    """Check that the port reports the pairs of live bricks on the ground, on a live brick and on two frozen bricks."""
+    """Check that the port reports the pairs of live bricks on the ground, on a live brick and on two frozen bricks.
+
+    After a freeze the port must report pairs with a live brick only.
+    """
     simulation = rig.open()
     left, right = frozen_column(simulation, 1, xs=(-LENGTH / 2 - 1e-3, LENGTH / 2 + 1e-3))
     bridge = place_on(simulation, 1)
@@ -182,7 +188,10 @@ def reports_every_pair(rig: Rig) -> None:
 
 
 def reports_the_speed_of_impact(rig: Rig) -> None:
-    """Check that the first contact after a fall from height h reports the speed sqrt(2 g h) before the solver acts."""
+    """Check that the first contact after a fall from height h reports the approach speed sqrt(2 g h).
+
+    This is the speed before the solver acts.
+    """
     for levels, height in ((0, 0.05), (1, 0.02)):
         simulation = rig.open()
         frozen_column(simulation, levels)
@@ -256,7 +265,10 @@ def reports_masses(rig: Rig) -> None:
 
 
 def reports_the_normal_at_a_ridge(rig: Rig) -> None:
-    """Check that the normal at the ridge of two planks that lean at 72 deg agrees with the capabilities."""
+    """Check that the normal at the ridge of two planks that lean at 72 deg is as ``ridge_normal`` states, within 3 deg.
+
+    The normal is the normal of a face, or the horizontal direction.
+    """
     simulation = rig.open()
     lean = math.radians(72)
     half_height = (LENGTH * math.sin(lean) + THICKNESS * math.cos(lean)) / 2

@@ -1,4 +1,4 @@
-"""Checks of bodies that the host moves, which follow a prescribed velocity, and of the friction on these bodies."""
+"""Checks of bodies that the host moves: their prescribed velocity, their friction, and their listing by the port."""
 
 from __future__ import annotations
 
@@ -80,7 +80,8 @@ def carries_what_lies_on_it(rig: Rig) -> None:
 def shows_what_it_moves_below_frozen_bricks(rig: Rig) -> None:
     """Check that a platform that turns below a frozen brick has contacts with the brick.
 
-    The relative velocity of the contacts is the velocity of the platform's surface.
+    The relative velocity of the contacts must be the velocity of the platform's surface. The platform must also rise
+    into the frozen brick as planned, and the brick must move at 0.2 m/s at most after its unfreeze.
     """
     simulation = rig.open()
     platform = _platform(simulation)
@@ -139,9 +140,10 @@ def slides_on_a_tilted_platform_above_the_friction_angle(rig: Rig) -> None:
 
 
 def reports_moved_bodies(rig: Rig) -> None:
-    """Check that ``port.masses`` lists a moved body with infinite mass, even without live bodies.
+    """Check that ``port.masses`` lists a moved body with infinite mass, even without live bodies, and its removal.
 
-    The relative velocities of the moved body's contacts must include the body's velocity.
+    The relative velocities of the moved body's contacts must include the body's velocity. A frozen brick on the body
+    must not move, and must have no contacts with the body at rest.
     """
     simulation = rig.open()
     platform = _platform(simulation)

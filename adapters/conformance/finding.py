@@ -84,7 +84,10 @@ def _require_normals(contacts: Contacts, normal: Vector, what: str) -> None:
 
 
 def _require_area(contacts: Contacts, low: Vector, high: Vector, what: str, gap: float = 0.0) -> None:
-    """Require all corners of the contact area from ``low`` to ``high`` [m], at ``gap`` [m], and no point outside."""
+    """Require all corners of the contact area from ``low`` to ``high`` [m], at ``gap`` [m], and no point outside.
+
+    The friction must be 0.45.
+    """
     error = np.abs(contacts.separation - gap).max(initial=0.0)
     require_between(0.0, error, NEAR_ENOUGH, f"error [m] of the separation found {what}, must be {gap} m")
     for corner in {*itertools.product(*zip(low, high, strict=True))}:
@@ -166,7 +169,7 @@ def finds_contacts_among_moving_and_frozen_bricks(rig: Rig) -> None:
     """Check that a call during a simulation finds the present contacts with the present velocities.
 
     The world has a frozen brick, a second brick that the host moved onto the frozen brick, a sliding brick and a
-    falling brick.
+    falling brick. A later freeze or removal must delete the contacts of its brick.
     """
     simulation = rig.open()
     (support,) = frozen_column(simulation, 1)
@@ -219,7 +222,10 @@ def forgets_found_contacts_with_the_next_step(rig: Rig) -> None:
 
 
 def stands_as_if_never_asked(rig: Rig) -> None:
-    """Check that calls of ``find_contacts``, before the first step and later, do not displace a tower."""
+    """Check that calls of ``find_contacts``, before the first step and later, displace no brick of a tower.
+
+    The tolerance is ``SAME_PLACE``.
+    """
     ends = []
     for asked in (False, True):
         simulation = rig.open()

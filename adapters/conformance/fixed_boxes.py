@@ -1,4 +1,4 @@
-"""Checks of a world's fixed boxes, which support, hold and stop bricks like the ground, and have the ground's id."""
+"""Checks of a world's fixed boxes: the boxes support, hold and stop bricks, and contacts name them as the ground."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ DEPTH = 2 * WIDTH
 
 
 def _fixed(size: Vector, position: Vector, lean: float = 0.0) -> Brick:
-    """Return a box with edges ``size`` [m], whose long edge rises by ``lean`` [rad] from +x towards +z."""
+    """Return a box with edges ``size`` [m]. Its edge along x rises by ``lean`` [rad] from +x towards +z."""
     return Brick(size, 1.0, position, (math.cos(lean / 2), 0.0, -math.sin(lean / 2), 0.0))
 
 
@@ -57,7 +57,7 @@ def _normals_from_ground(simulation: Simulation, body: int) -> FloatArray:
 
 
 def rests_on_a_fixed_box(rig: Rig) -> None:
-    """Check that a brick rests on a fixed box without overlap, and that the contact area ends at the box's edges.
+    """Check that a brick rests on a fixed box, at most 0.5 mm deep, and that the contact area ends at the box's edges.
 
     The brick is longer than the box on both sides. The contacts name the ground, and their normals point up.
     """
@@ -101,10 +101,10 @@ def slides_on_a_fixed_slope_above_the_friction_angle(rig: Rig) -> None:
 
 
 def leans_on_a_fixed_wall(rig: Rig) -> None:
-    """Check that a brick pulled against a fixed wall stays, and that the port reports the wall and the ground.
+    """Check that a fixed wall holds a brick, and that the port reports contacts with the wall and with the ground.
 
-    Gravity leans by 40 degrees, so that friction alone does not hold the brick. Both contacts name the ground, and
-    their normals point from the ground to the brick: away from the wall, and up.
+    Gravity leans by 40 degrees, so that friction alone does not hold the brick. All contacts name the ground. Their
+    normals point to the brick: away from the wall, or up.
     """
     lean, wall = math.radians(40), _fixed((0.05, DEPTH, 0.1), (LENGTH / 2 + 0.025, 0.0, 0.05))
     gravity = (GRAVITY * math.sin(lean), 0.0, -GRAVITY * math.cos(lean))
@@ -119,7 +119,10 @@ def leans_on_a_fixed_wall(rig: Rig) -> None:
 
 
 def stops_at_a_fixed_ceiling(rig: Rig) -> None:
-    """Check that a fixed ceiling stops a rising brick, with a normal that points down from the ceiling to the brick."""
+    """Check that a fixed ceiling stops a brick that rises at 0.3 m/s.
+
+    The normals of the contacts must point down, and the brick must return at 0.1 m/s at most.
+    """
     bottom = 0.1
     ceiling = _fixed((2 * LENGTH, DEPTH, 0.05), (0.0, 0.0, bottom + 0.025))
     simulation = rig.open(gravity=WEIGHTLESS, fixed=(ceiling,))

@@ -1,4 +1,4 @@
-"""Checks of the contact forces that the port reports: their sum balances the load on a brick at rest."""
+"""Checks of the contact forces that the port reports: balance with the load on a brick, and the laws of contact."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def _forces(simulation: Simulation) -> tuple[Contacts, FloatArray]:
     """Return the contacts after the latest step and their forces (n, 3) [N].
 
     Raises:
-        ConformanceError: if the forces have another shape, are not finite, or pull.
+        ConformanceError: if the forces are None, have another shape, are not finite, or pull.
     """
     contacts = simulation.port.contacts()
     force = contacts.force
@@ -43,7 +43,7 @@ def _forces(simulation: Simulation) -> tuple[Contacts, FloatArray]:
         force.shape == (len(contacts), 3),
         f"Contacts.force has the shape {force.shape}, must be {(len(contacts), 3)}",
     )
-    require(bool(np.isfinite(force).all()), "contact forces must be finite")
+    require(bool(np.isfinite(force).all()), "Contacts.force has NaN or inf, must have finite numbers")
     pull = -min(np.einsum("ij,ij->i", force, contacts.normal), default=0.0)
     # 1e-3: rounding in single precision, and a normal that turned within the frame.
     require_between(
@@ -104,7 +104,10 @@ def resists_a_steady_push(rig: Rig) -> None:
 
 
 def keeps_forces_within_the_laws_of_contact(rig: Rig) -> None:
-    """Check that friction stays inside Coulomb's cone at each contact, and that no force acts across a gap."""
+    """Check that friction stays inside Coulomb's cone at each contact, and that no contact bears load across a gap.
+
+    ``PRECISION`` and ``CARRYING_GAP`` are the tolerances.
+    """
     simulation = rig.open()
     stack = [simulation.spawn(plank(z=(level + 0.5) * THICKNESS)) for level in range(3)]
     alone = place_on(simulation, 0, x=0.3)

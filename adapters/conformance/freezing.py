@@ -30,7 +30,10 @@ def _require_still(simulation: Simulation, body: int, before: np.typing.NDArray[
 
 
 def stays_frozen(rig: Rig) -> None:
-    """Check that a frozen brick does not move by a bit in 5 s: in the air, under an impact, under a push."""
+    """Check that frozen bricks do not move by a bit in 5 s: in the air, under an impact, under a push.
+
+    Their velocities must be 0.
+    """
     simulation = rig.open()
     hanging, seated = simulation.spawn(plank(0.0, 0.1)), place_on(simulation, 0, x=0.3)
     advance(simulation, 0.05)
@@ -85,7 +88,7 @@ def freezes_before_its_first_step(rig: Rig) -> None:
 
 
 def carries_a_live_brick(rig: Rig) -> None:
-    """Check that a live brick comes to rest on a frozen brick in the air, without sinking."""
+    """Check that a frozen brick in the air bears a live brick. The live brick may sink by at most 0.5 mm."""
     simulation = rig.open()
     shelf = simulation.spawn(plank(z=0.3))
     simulation.port.sleep([shelf])

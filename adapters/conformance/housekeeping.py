@@ -21,7 +21,10 @@ def _require_error(kind: type[Exception], action: Callable[[], object], what: st
 
 
 def refuses_bad_input(rig: Rig) -> None:
-    """Check that unknown ids, NaN, and sizes and masses that are not positive raise errors, and add no body."""
+    """Check that unknown ids raise ``KeyError``, and that bad numbers raise ``ValueError`` and add no body.
+
+    Bad numbers are NaN, a negative edge and a mass of 0.
+    """
     simulation = rig.open()
     body = simulation.spawn(plank())
     nowhere = (math.nan, 0.0, 0.1)
@@ -46,7 +49,10 @@ def refuses_bad_input(rig: Rig) -> None:
 
 
 def refuses_what_leaves_its_plane(rig: Rig) -> None:
-    """Check that a planar engine rejects bricks, moves, impulses, forces, velocities and gravity outside the plane."""
+    """Check that a planar engine raises ``ValueError`` for input that leaves its plane.
+
+    The input is a brick, a move, an impulse, a force, a velocity or gravity.
+    """
     simulation = rig.open()
     body = simulation.spawn(plank())
     lift = simulation.spawn(replace(plank(x=1.0), moved=True))
@@ -85,7 +91,7 @@ def keeps_poses_and_ids(rig: Rig) -> None:
 
 
 def moves_a_live_brick(rig: Rig) -> None:
-    """Check that a brick that the host moves is at rest at its new pose and falls from there."""
+    """Check that a live brick that the host moves has its new pose, and falls from rest there."""
     simulation = rig.open()
     body = simulation.spawn(plank(z=1.0))
     advance(simulation, 0.2)
@@ -100,7 +106,10 @@ def moves_a_live_brick(rig: Rig) -> None:
 
 
 def tumble(simulation: Simulation) -> bytes:
-    """Return the bytes of all poses of a falling pile, whose bricks freeze, unfreeze, get a push and leave."""
+    """Return the bytes of all poses of five falling bricks in 60 frames.
+
+    Bricks of the pile freeze, unfreeze, get a push and leave.
+    """
     recorded = []
     bodies = [simulation.spawn(plank(0.3 * LENGTH * (i % 2), (1.5 * i + 0.5) * THICKNESS, 0.1 * i)) for i in range(5)]
     for frame in range(60):

@@ -38,7 +38,7 @@ before a policy freezes it."""
 
 
 def falls_freely(rig: Rig) -> None:
-    """Check that the speed of a falling brick is g t, without damping or a second gravity."""
+    """Check that the speed of a falling brick is g t, and its path g t^2 / 2, without damping or a second gravity."""
     simulation = rig.open()
     body = simulation.spawn(plank(z=5.0))
     advance(simulation, 0.5)
@@ -62,9 +62,10 @@ def moves_by_impulse_over_mass(rig: Rig) -> None:
 
 
 def accelerates_by_force_over_mass(rig: Rig) -> None:
-    """Check that a steady force F gives a live brick the velocity F t / m and no spin, until a force of zero ends it.
+    """Check that a steady force F gives a live brick of mass m the velocity F t / m, and no spin.
 
-    A frozen brick must not move until the port unfreezes the brick.
+    A force of zero must end the steady force. A frozen brick must not move under a steady force until the port
+    unfreezes the brick.
     """
     simulation = rig.open(gravity=WEIGHTLESS)
     free, frozen = simulation.spawn(plank(z=0.5)), simulation.spawn(plank(x=0.5, z=0.5))
@@ -160,7 +161,7 @@ def is_braked_by_friction_between_live_bricks(rig: Rig) -> None:
 
 
 def does_not_bounce(rig: Rig) -> None:
-    """Check that the restitution is 0: a brick that falls 5 mm does not rise again."""
+    """Check that the restitution is about 0: a brick that falls 5 mm rises by at most 0.25 mm."""
     simulation = rig.open()
     body = simulation.spawn(plank(z=THICKNESS / 2 + 5e-3))
     rose, lowest = 0.0, math.inf
@@ -213,9 +214,9 @@ def seats_on_frozen_bricks(rig: Rig) -> None:
 
 
 def holds_an_inverted_v(rig: Rig) -> None:
-    """Check that two planks that lean on each other at 72 deg are slow in two successive frames.
+    """Check that two planks that lean on each other at 72 deg are slow in two successive frames within 0.2 s.
 
-    A policy needs two slow frames to freeze the planks. After 0.2 s the planks must not have slipped.
+    A policy needs two slow frames to freeze the planks. In the 0.2 s the planks must not slip.
     """
     simulation = rig.open()
     lean = math.radians(72)

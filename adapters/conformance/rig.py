@@ -36,10 +36,10 @@ def require_between(low: float, value: float, high: float, what: str) -> None:
 
 
 def require_friction_angle(slide: Callable[[float], float], margin: float = 1.0) -> None:
-    """Raise ``ConformanceError`` unless a plank holds just below the friction angle and slides just above this angle.
+    """Raise ``ConformanceError`` unless a body holds just below the friction angle and slides just above this angle.
 
     Args:
-        slide: function of the slope [deg] that returns the distance [m] that a plank moves from 0.3 s to 0.8 s after
+        slide: function of the slope [deg] that returns the distance [m] that a body moves in 0.5 s, from 0.3 s after
             its release.
         margin: difference [deg] of the two slopes from the friction angle atan(mu), with the coefficient mu = 0.45.
     """
@@ -83,7 +83,11 @@ class Rig:
         fixed: tuple[Brick, ...] = (),
         restitution: float = 0.0,
     ) -> Simulation:
-        """Open and return an empty world, and access its port, so that the engine records contact velocities."""
+        """Open and return an empty world, and access its port, so that the engine records contact velocities.
+
+        Raises:
+            ConformanceError: if the masses of the new world list bodies.
+        """
         simulation = self._open_world(World(friction, gravity, fixed, restitution))
         self._opened.append(simulation)
         require(len(simulation.port.masses().body) == 0, "masses list bodies in a new world, must list none")
@@ -107,21 +111,21 @@ def frames(simulation: Simulation, seconds: float) -> int:
 
 
 def pose(simulation: Simulation, body: int) -> FloatArray:
-    """Return the position [m] and the quaternion (w, x, y, z) of one body, shape (7,)."""
+    """Return the position [m] and the quaternion (w, x, y, z) of a body, shape (7,)."""
     bodies, positions, quaternions = simulation.poses()
     row = bodies.tolist().index(body)
     return np.concatenate((positions[row], quaternions[row]))
 
 
 def velocity(simulation: Simulation, body: int) -> FloatArray:
-    """Return the linear [m/s] and the angular [rad/s] velocity of one body, shape (6,)."""
+    """Return the linear [m/s] and the angular [rad/s] velocity of a body, shape (6,)."""
     linear, angular = simulation.velocities()
     row = simulation.poses()[0].tolist().index(body)
     return np.concatenate((linear[row], angular[row]))
 
 
 def touching(contacts: Contacts, body: int) -> Contacts:
-    """Return the contacts of one body."""
+    """Return the contacts of a body."""
     rows = (contacts.body_a == body) | (contacts.body_b == body)
     return contacts.chosen(rows)
 

@@ -26,15 +26,16 @@ from stability_core.port import FloatArray
 from stability_core.ports.shared.vectors import rotate
 
 KEPT_M, KEPT_DEG = 0.5e-3, 0.3
-"""Greatest change of a joined pair's relative pose, because PhysX with few iterations gives way by 0.3 mm and 0.2 deg.
+"""Greatest changes of a joined pair's relative position [m] and turn [deg].
 
-Bullet's fixed constraint, which ignores the turn of both bodies, is off by 3 mm."""
+PhysX with few iterations gives way by 0.3 mm and 0.2 deg. Bullet's fixed constraint errs by 3 mm, because the
+constraint ignores the turn of both bodies."""
 OVERHANG = 0.6 * LENGTH
-"""Distance [m] between the centres of two planks of which the upper one tips over the end of the lower one."""
+"""Distance along x [m] between the centres of two planks. The upper plank tips over the end of the lower plank."""
 
 
 def relative_pose(simulation: Simulation, a: int, b: int) -> tuple[FloatArray, FloatArray]:
-    """Return the centre of body ``b`` [m] (3,), and its turn as a quaternion (4,), both in the frame of body ``a``."""
+    """Return the centre [m] (3,) and the quaternion (w, x, y, z) (4,) of body ``b`` in the frame of body ``a``."""
     pose_a, pose_b = pose(simulation, a), pose(simulation, b)
     inverse = pose_a[3:] * (1, -1, -1, -1)
     (w, *_), (other_w, *_) = inverse, pose_b[3:]
@@ -46,19 +47,19 @@ def relative_pose(simulation: Simulation, a: int, b: int) -> tuple[FloatArray, F
 def _require_kept(
     simulation: Simulation, pair: tuple[int, int], before: tuple[FloatArray, FloatArray], when: str
 ) -> None:
-    """Raise ``ConformanceError`` unless a pair has its relative pose ``before``."""
+    """Raise ``ConformanceError`` unless a pair has its relative pose ``before``, within ``KEPT_M`` and ``KEPT_DEG``."""
     place, turn = relative_pose(simulation, *pair)
     moved = float(np.linalg.norm(place - before[0]))
     # The sine is exact for small angles, where the cosine of a quaternion in single precision is not.
     w, v = before[1][0], before[1][1:]
     difference = w * turn[1:] - turn[0] * v - np.cross(v, turn[1:])
     turned = math.degrees(2.0 * math.asin(min(1.0, float(np.linalg.norm(difference)))))
-    require_between(0.0, moved, KEPT_M, f"change [m] of the distance of a joined pair {when}")
-    require_between(0.0, turned, KEPT_DEG, f"turn [deg] of a joined pair {when}")
+    require_between(0.0, moved, KEPT_M, f"change [m] of the relative position of a joined pair {when}")
+    require_between(0.0, turned, KEPT_DEG, f"change [deg] of the relative turn of a joined pair {when}")
 
 
 def _overhanging(rig: Rig) -> tuple[Simulation, tuple[int, int]]:
-    """Return a world with a joined pair of planks, the upper one beyond its balance."""
+    """Return a world with a joined pair of planks, and the pair; the upper plank is beyond its balance."""
     simulation = rig.open()
     pair = simulation.spawn(plank()), simulation.spawn(plank(OVERHANG, 1.5 * THICKNESS))
     simulation.port.join([pair])
@@ -66,14 +67,14 @@ def _overhanging(rig: Rig) -> tuple[Simulation, tuple[int, int]]:
 
 
 def _tips(simulation: Simulation, upper: int) -> bool:
-    """Return whether the upper plank lies on the ground with one end, or is on the way, after half a second."""
+    """Advance by 0.5 s, and return whether the upper plank then leans by more than 2 deg."""
     advance(simulation, 0.5)
     w, _, y, _ = pose(simulation, upper)[3:]
     return abs(math.degrees(2.0 * math.atan2(y, w))) > 2.0
 
 
 def holds_an_overhanging_plank(rig: Rig) -> None:
-    """Check that a joined plank beyond its balance keeps its pose for 5 s, and tips once parted."""
+    """Check that a joined plank beyond its balance keeps its relative pose for 5 s, and tips once parted."""
     simulation, pair = _overhanging(rig)
     before = relative_pose(simulation, *pair)
     advance(simulation, 5.0)
@@ -83,7 +84,7 @@ def holds_an_overhanging_plank(rig: Rig) -> None:
 
 
 def keeps_the_turn_of_a_joined_plank(rig: Rig) -> None:
-    """Check that planks joined at an angle keep the angle, also after a push to the side."""
+    """Check that planks joined at an angle keep their relative pose, also after a push to the side."""
     for degrees in (17.0, 90.0):
         simulation = rig.open()
         half = math.radians(degrees) / 2
@@ -100,7 +101,10 @@ def keeps_the_turn_of_a_joined_plank(rig: Rig) -> None:
 
 
 def moves_as_one_body(rig: Rig) -> None:
-    """Check that a struck pair moves with its common centre at impulse over mass, and as one body at the joint."""
+    """Check that the common centre of a struck pair moves at impulse over mass, and that the pair turns as one body.
+
+    Both planks must have the same velocity at the joint, and keep their relative pose.
+    """
     simulation = rig.open(gravity=WEIGHTLESS)
     pair = simulation.spawn(plank(z=0.5)), simulation.spawn(plank(0.3 * LENGTH, 0.5 + THICKNESS))
     simulation.port.join([pair])
@@ -110,17 +114,19 @@ def moves_as_one_body(rig: Rig) -> None:
     rows = [velocity(simulation, body) for body in pair]
     poses = [pose(simulation, body)[:3] for body in pair]
     mean = (rows[0][2] + rows[1][2]) / 2
-    require_between(0.99, mean / -0.1, 1.01, "speed of a struck pair over impulse by mass")
+    require_between(0.99, mean / -0.1, 1.01, "speed of the centre of a struck pair, over impulse divided by mass")
     middle = (poses[0] + poses[1]) / 2
     at_joint = [row[:3] + np.cross(row[3:], middle - place) for row, place in zip(rows, poses, strict=True)]
     apart = float(np.linalg.norm(at_joint[1] - at_joint[0]))
-    require_between(0.0, apart / 0.2, 0.01, "speed of a struck pair at the joint, apart, over that of the push")
+    require_between(
+        0.0, apart / 0.2, 0.01, "relative speed of a struck pair at the joint, over the speed of a single plank pushed"
+    )
     advance(simulation, 0.4)
     _require_kept(simulation, pair, before, "0.5 s after a push")
 
 
 def holds_a_chain_of_ten(rig: Rig) -> None:
-    """Check that ten joined planks, each beyond the end of the next below, turn in flight as one body."""
+    """Check that a chain of ten joined planks, struck at one end in flight, moves and keeps its relative poses."""
     simulation = rig.open(gravity=WEIGHTLESS)
     chain = [simulation.spawn(plank(OVERHANG * i, 0.5 + THICKNESS * i)) for i in range(10)]
     links = list(pairwise(chain))
@@ -130,11 +136,11 @@ def holds_a_chain_of_ten(rig: Rig) -> None:
     advance(simulation, 1.0)
     for link, was in zip(links, before, strict=True):
         _require_kept(simulation, link, was, "in a chain of ten")
-    require(abs(pose(simulation, chain[0])[2] - 0.5) > 0.02, "a chain struck at its end does not move, must turn")
+    require(abs(pose(simulation, chain[0])[2] - 0.5) > 0.02, "a chain struck at its end does not move, must move")
 
 
 def joins_once(rig: Rig) -> None:
-    """Check that a pair joined twice is parted by one call, and that parting it again changes nothing."""
+    """Check that one call of ``part`` parts a pair that was joined twice, and that a second call raises no error."""
     simulation, (lower, upper) = _overhanging(rig)
     simulation.port.join([(upper, lower)])
     simulation.port.part([(lower, upper)])
@@ -143,7 +149,10 @@ def joins_once(rig: Rig) -> None:
 
 
 def ends_joints_with_their_bodies(rig: Rig) -> None:
-    """Check that a pair parts when a body of it is frozen, moved by the host or removed, and can be joined again."""
+    """Check that a joint ends when the host freezes, moves or removes a body of the pair.
+
+    After the removal, a joint of the remaining body with another body must hold.
+    """
     simulation, pair = _overhanging(rig)
     simulation.port.sleep([pair[0]])
     require(_tips(simulation, pair[1]), "a plank hangs on a frozen plank to which it was joined, must tip")
@@ -161,11 +170,11 @@ def ends_joints_with_their_bodies(rig: Rig) -> None:
     simulation.port.join([(pair[1], third)])
     before = relative_pose(simulation, pair[1], third)
     advance(simulation, 1.0)
-    _require_kept(simulation, (pair[1], third), before, "that was joined after another had ended")
+    _require_kept(simulation, (pair[1], third), before, "that was joined after an earlier joint had ended")
 
 
 def refuses_to_join_what_is_not_live(rig: Rig) -> None:
-    """Check that a frozen body, and a body with itself, cannot be joined."""
+    """Check that ``join`` raises ``ValueError`` for a frozen body, and for a body with itself."""
     simulation = rig.open()
     frozen, live = simulation.spawn(plank()), simulation.spawn(plank(z=1.5 * THICKNESS))
     simulation.port.sleep([frozen])
@@ -178,7 +187,7 @@ def refuses_to_join_what_is_not_live(rig: Rig) -> None:
 
 
 def refuses_to_join(rig: Rig) -> None:
-    """Check that an engine without joints says so."""
+    """Check that ``join`` raises ``NotImplementedError`` for an engine without joints."""
     simulation = rig.open()
     pair = simulation.spawn(plank()), simulation.spawn(plank(z=1.5 * THICKNESS))
     try:

@@ -1,7 +1,7 @@
-"""Ports to simulations that the user owns: ``attach`` an extension in one call.
+"""Ports to simulations that the user owns, and ``attach``, which attaches an extension in one call.
 
-The engines are optional. Each port is a module, which imports its engine. ``attach`` and ``stability_core.ports.NAME``
-load this module on first use.
+The engines are optional. The module of a port imports its engine. ``attach``, or a read of the attribute
+``stability_core.ports.NAME``, loads the port's module on first use.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ ENGINES = {
     "pymunk": "pymunk",
     "dart": "dartpy",
 }
-"""Python package of each engine, by the name of its port and of the wheel's extra."""
+"""Python package of each engine, by the name of its port. The wheel's extra has the name of the port."""
 _PORT_OF = {package: name for name, package in ENGINES.items()} | {"pybullet_utils": "pybullet"}
-"""Name of the port, by the package that defines the class of a world."""
+"""Name of the port, by the top-level package that defines the class of a world."""
 WITH_OBJECTS = ("pymunk", "dart")
 """Ports of engines whose bodies are objects without numbers."""
 
@@ -43,25 +43,35 @@ def attach(
 ) -> Attachment:
     """Attach the stability extension to a simulation that you own.
 
-    Call ``update(dt)`` of the result after your steps of ``dt`` seconds. Other bodies, joints and robots keep their
-    settings.
+    Call ``update(dt)`` of the result after your steps of ``dt`` seconds in all. Joints, robots and other bodies outside
+    the extension's control keep their settings.
 
     Args:
         world: PyBullet's client id (an integer) or client object; MuJoCo's ``MjData``; SAPIEN's ``Scene`` or its
             ``physx_system``; Rapier's ``PhysicsWorld``; pymunk's ``Space``; DART's ``World``.
-        bodies: the engine's ids of the bodies to control, or pymunk's bodies, or DART's skeletons; None for all bodies
-            that can freeze, now and later.
+        bodies: the bodies to control; None for all bodies that can freeze, now and later. In MuJoCo, None means all
+            bodies with a ghost. The bodies have these forms:
+
+            - PyBullet: body ids;
+            - MuJoCo: body ids or names;
+            - SAPIEN: ``entity.per_scene_id``;
+            - Rapier: ``id_of(handle)`` of ``stability_core.ports.rapier``;
+            - pymunk: ``pymunk.Body``;
+            - DART: skeletons or body nodes.
         policy: a name of ``POLICIES``, or a policy of your own.
-        settings: the tolerances.
+        settings: the tolerances; None for the default tolerances.
 
     Returns:
         The attachment; for pymunk and DART an ``ObjectAttachment``, whose methods accept bodies.
 
     Raises:
-        TypeError: if no port knows the engine of the world.
-        ImportError: if Python does not find the package of the engine.
-        ValueError: if a body cannot freeze, or the world has no gravity; the message names the fix.
-        RuntimeError: if the world has an open attachment.
+        TypeError: if the world, or an object in ``bodies``, has a type that no port can use.
+        ImportError: if Python cannot import the package of the engine.
+        ValueError: if a body cannot freeze, the world has no gravity, or the port cannot follow the world; the message
+            names the fix.
+        KeyError: if a body is not in the world (DART).
+        UnknownNameError: if ``POLICIES`` does not contain ``policy``.
+        RuntimeError: if the world has an open attachment, or is inside a step (pymunk).
     """
     name = _engine_of(world)
     kind = ObjectAttachment if name in WITH_OBJECTS else Attachment
@@ -69,10 +79,13 @@ def attach(
 
 
 def warm_up(policy: str = "equilibrium") -> float:
-    """Compile the kernels of ``policy`` and of the ports, or read Numba's cache; return the time of the core [s].
+    """Compile the kernels of ``policy`` and of contact areas, or read Numba's cache.
 
-    ``attach`` compiles the core and the ports on first use. Call this function where the wait matters least, because
-    the compilation takes minutes, once per version.
+    ``attach`` compiles these kernels on first use. Call this function where the wait matters least, because the
+    compilation takes minutes, once per version.
+
+    Returns:
+        The time [s] of the policy's kernels; 0 if this process has compiled or read the kernels before.
 
     Raises:
         UnknownNameError: if ``POLICIES`` does not contain ``policy``.
@@ -104,7 +117,7 @@ def _module(name: str) -> ModuleType:
     """Return the module of a port.
 
     Raises:
-        ImportError: if Python does not find the package of the engine.
+        ImportError: if Python cannot import the package of the engine.
     """
     try:
         return importlib.import_module(f"stability_core.ports.{name}")
@@ -117,7 +130,12 @@ def _module(name: str) -> ModuleType:
 
 
 def __getattr__(name: str) -> ModuleType:
-    """Load the module of a port on first use."""
+    """Return the module of the port ``name``, and load the module on first use.
+
+    Raises:
+        AttributeError: if no port has this name.
+        ImportError: if Python cannot import the package of the engine.
+    """
     if name in ENGINES:
         return _module(name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}: use one of the ports {', '.join(ENGINES)}")

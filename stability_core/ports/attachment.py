@@ -13,7 +13,7 @@ from stability_core.port import StabilityPort
 from stability_core.settings import Settings
 
 _ATTACHED: weakref.WeakValueDictionary[Hashable, Attachment] = weakref.WeakValueDictionary()
-"""The open attachment of each world."""
+"""The open attachment of each world, by ``EnginePort.world``."""
 
 
 class EnginePort(StabilityPort, Protocol):
@@ -25,14 +25,18 @@ class EnginePort(StabilityPort, Protocol):
     """Identity of the world."""
 
     def gravity(self) -> tuple[float, float, float]:
-        """Return the world's gravity [m/s2] at the latest ``begin_update``, or at the opening of the port."""
+        """Return the world's gravity [m/s2], as the port has last read it."""
         ...
 
     def begin_update(self, dt: float) -> Iterable[int]:
-        """Follow bodies that come and go, and check the time; return bodies that turned in place.
+        """Follow bodies that come and go, and check the time; return the ids that the attachment must wake.
+
+        Supports that turned in place are an example. The time ``dt`` [s] is 0 for a read without a step.
 
         Raises:
-            ValueError: if the world contradicts ``dt``; the message names the fix.
+            ValueError: if the world contradicts ``dt``, or has a state that the port cannot follow, such as a pose that
+                is not finite; the message names the fix.
+            RuntimeError: if the call comes inside a step of the engine.
         """
         ...
 
@@ -40,7 +44,7 @@ class EnginePort(StabilityPort, Protocol):
         """Control bodies.
 
         Raises:
-            ValueError: for a body that the port cannot freeze; the message names the reason and the fix.
+            ValueError: for a body that the port cannot freeze or controls already; the message names the fix.
         """
         ...
 
@@ -56,7 +60,7 @@ class EnginePort(StabilityPort, Protocol):
 class Attachment(StabilityExtension):
     """A stability extension attached to a user's simulation.
 
-    Call ``update(dt)`` after the engine's steps. Gravity follows the world's gravity. Bodies have the engine's ids.
+    Call ``update(dt)`` after the engine's steps. Gravity follows the world's gravity. Bodies have the port's ids.
     """
 
     port: EnginePort
@@ -66,7 +70,8 @@ class Attachment(StabilityExtension):
 
         Raises:
             RuntimeError: if an open attachment of the world exists.
-            ValueError: if the world has no gravity.
+            ValueError: if the world has no gravity, or its gravity is not finite.
+            UnknownNameError: if ``POLICIES`` does not contain ``policy``.
         """
         if port.world in _ATTACHED:
             raise RuntimeError(
@@ -88,8 +93,9 @@ class Attachment(StabilityExtension):
         See ``StabilityExtension.update``.
 
         Raises:
-            ValueError: if dt is not the time of the steps since the previous update, or a pose is not finite.
-            RuntimeError: if the attachment is closed.
+            ValueError: if ``dt`` is not the time of the steps since the previous update, or the port cannot follow the
+                world. An example is a pose that is not finite. The message names the fix.
+            RuntimeError: if the attachment is closed, or the call comes inside a step of the engine.
         """
         self._check_open()
         self._follow_world(dt)
@@ -99,6 +105,11 @@ class Attachment(StabilityExtension):
         """Judge bodies in place by statics, with the contacts of the present poses, and freeze bodies that stand.
 
         Call this method after you have built the stack, before the first step. See ``StabilityExtension.adopt``.
+
+        Raises:
+            KeyError: for a body that the port has not listed.
+            ValueError: if the port cannot follow the world, for example because a pose is not finite.
+            RuntimeError: if the attachment is closed, or the call comes inside a step of the engine.
         """
         self._check_open()
         self._follow_world(0.0)
@@ -106,10 +117,15 @@ class Attachment(StabilityExtension):
         return super().adopt(bodies)
 
     def add(self, bodies: Iterable[int]) -> None:
-        """Control more bodies. Without a list of bodies, ``attach`` finds new bodies itself.
+        """Control more bodies, in the forms that ``attach`` accepts.
+
+        An attachment without a list of bodies finds new bodies itself.
 
         Raises:
-            ValueError: for a body that cannot freeze, such as a robot; the message names the reason.
+            ValueError: for a body that cannot freeze, such as a robot, or that the port controls already; the message
+                names the reason.
+            TypeError: for an object that is no body (pymunk, DART).
+            KeyError: for a body that is not in the world (DART).
             RuntimeError: if the attachment is closed.
         """
         self._check_open()
@@ -119,13 +135,18 @@ class Attachment(StabilityExtension):
         """Stop controlling bodies; frozen bodies among them become live. Call this method before you delete a body.
 
         Raises:
-            RuntimeError: if the attachment is closed.
+            KeyError: for an id that the port does not know (MuJoCo, pymunk, DART).
+            RuntimeError: if the attachment is closed, or the call comes inside a step of the engine.
         """
         self._check_open()
         self.port.remove(bodies)
 
     def close(self) -> None:
-        """Unfreeze every body, and release the world, so that the user can attach another extension."""
+        """Unfreeze every body, and release the world, so that the user can attach another extension.
+
+        Raises:
+            RuntimeError: if bodies are frozen, and the call comes inside a step of the engine.
+        """
         _ATTACHED.pop(self.port.world, None)
         super().close()
 

@@ -16,8 +16,8 @@ lists the contacts of its sleeping bodies. The port changes no setting of the wo
 Traps:
 
 - DART's list of contacts refers to freed memory once a skeleton has left the world. The port then finds the contacts
-  again, until the next step. Remove and add the last skeleton of a world after ``update``, not between a step and
-  ``update``, because the port does not detect this change.
+  again, until the next step. The port does not detect that you remove the last skeleton of a world and add the same
+  skeleton again. Make this change after ``update``, not between a step and ``update``.
 - By default, DART keeps at most 1000 contacts. A live body whose contacts DART has dropped does not freeze.
 """
 
@@ -40,8 +40,11 @@ def open_port(world: Any, bodies: Collection[Any] | None) -> DartPort:
         bodies: the skeletons or body nodes to control; None for all bodies that can freeze.
 
     Raises:
-        TypeError: if the world is no ``dartpy.simulation.World``.
-        ValueError: if a body cannot freeze, or a constraint joins bodies and ``bodies`` is None.
+        TypeError: if the world is no ``dartpy.simulation.World``, or an object in ``bodies`` is neither a skeleton nor
+            a body node.
+        ValueError: if a body cannot freeze, ``bodies`` lists a body twice, or the world has constraints and ``bodies``
+            is None.
+        KeyError: if a body is not in the world.
     """
     if not isinstance(world, dartpy.simulation.World):
         raise TypeError(
@@ -59,7 +62,7 @@ class DartPort(FreeBodyPort):
         super().__init__(self._dart, ("dart", id(world)), bodies)
 
     def add(self, bodies: Iterable[Any]) -> None:
-        """Control skeletons of one free body.
+        """Control skeletons of one free body, or the body nodes of these skeletons.
 
         Raises:
             TypeError: for an object that is neither a skeleton nor a body node.

@@ -30,7 +30,8 @@ def solid_of(node: Any) -> Solid | None:
     """Return the shape of a body node relative to its centre of mass, in the orientation of its frame.
 
     Returns:
-        The solid of a plane, a box or a cylinder, else None, because DART gives no vertices of meshes.
+        The solid of a plane, a box or a cylinder; None for other shapes, among them meshes, because the port reads no
+        vertices of meshes; None unless exactly one shape of the body collides.
     """
     shapes = colliding_shapes(node)
     if len(shapes) != 1:
@@ -51,7 +52,8 @@ def solid_of(node: Any) -> Solid | None:
 def box_around(node: Any) -> FloatArray:
     """Return the lower, then the upper corner [m] of the box around a body node's shapes along the world's axes, (6,).
 
-    The function turns the bounding box of each shape, so that the result may be larger than the shapes.
+    The function turns the bounding box of each shape, so that the result may be larger than the shapes. All six numbers
+    are infinite if no shape collides.
     """
     corners = [np.full((1, 3), np.inf)]
     for shape in colliding_shapes(node):
@@ -64,5 +66,5 @@ def box_around(node: Any) -> FloatArray:
 
 
 def friction_of(shape: Any) -> float:
-    """Return the coefficient of friction of a shape node."""
+    """Return the coefficient of friction of a shape node; DART's default for a shape without a dynamics aspect."""
     return float(shape.getDynamicsAspect().getFrictionCoeff()) if shape.hasDynamicsAspect() else _SHIPPED_FRICTION

@@ -1,8 +1,8 @@
 """Contacts of the present poses of a DART world, at gaps of zero too, without a change of the world.
 
-DART's own query lists no contact across a gap, and rounding decides whether shapes at a gap of zero touch. With FCL's
-detector the query also changes later steps in their last bits. This module collides slightly larger copies of the
-shapes in a separate collision group.
+DART's own query lists no contact across a gap, and rounding decides whether shapes at a gap of zero touch. With DART's
+detector FCL the query also changes later steps in their last bits. This module collides copies of the shapes in a
+separate collision group. Copies of boxes, cylinders, spheres and capsules are slightly larger than the shapes.
 """
 
 from __future__ import annotations
@@ -17,11 +17,12 @@ from dartpy import dynamics
 from stability_core.ports.dart_shapes import colliding_shapes
 
 GROWTH = 1e-5
-"""Distance [m] by which the surface of a copy lies outside the shape: a fiftieth of the greatest gap of a contact."""
+"""Distance [m] by which the surface of a copy lies outside the shape. For a plank of 117 mm this is a fiftieth of the
+greatest gap of a contact (``Settings.contact_gap``)."""
 
 
 class Original(NamedTuple):
-    """The original shape of an enlarged copy."""
+    """The original shape of a copy."""
 
     body: int
     """Id of the body of the shape."""
@@ -57,7 +58,7 @@ def present_contacts(world: Any, nodes: Mapping[int, Any]) -> Iterator[tuple[lis
 
 
 def _enlarged(shape: Any) -> tuple[Any, float]:
-    """Return an enlarged copy of a shape and the growth on every side [m], or the shape and 0."""
+    """Return an enlarged copy of a shape and the growth on every side [m]; the shape itself and 0 for other kinds."""
     match shape:
         case dynamics.BoxShape():
             return dynamics.BoxShape(shape.getSize() + 2 * GROWTH), GROWTH

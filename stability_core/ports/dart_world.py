@@ -50,7 +50,7 @@ class DartWorld(FreeBodyWorld):
         return float(self._world.getTimeStep())
 
     def check(self) -> None:
-        """Raise ``ValueError`` if constraints join bodies, and the user has not named the free bodies."""
+        """Raise ``ValueError`` if the world has constraints, and the user has not named the free bodies."""
         count = self._world.getConstraintSolver().getNumConstraints()
         if self._takes_all and count:
             raise ValueError(
@@ -59,7 +59,10 @@ class DartWorld(FreeBodyWorld):
             )
 
     def has_changed(self) -> bool:
-        """Return True if bodies have come or gone since the previous call."""
+        """Return True if bodies have come or gone since the previous call.
+
+        A frozen body that has gone becomes mobile, because the user may add its skeleton again.
+        """
         skeletons = [self._world.getSkeleton(index) for index in range(self._world.getNumSkeletons())]
         listed = [(skeleton, skeleton.getNumBodyNodes()) for skeleton in skeletons]
         if listed == self._listed:
@@ -81,7 +84,7 @@ class DartWorld(FreeBodyWorld):
         return True
 
     def can_read(self, bodies: Collection[int]) -> bool:
-        """Return True if the number of skeletons is the same, and none of ``bodies`` moves by itself.
+        """Return True if no body in ``bodies`` is mobile, and the number of skeletons is as at ``has_changed``.
 
         Otherwise the port may read DART's list of contacts. The list refers to freed memory once a skeleton has left.
         """
@@ -130,7 +133,7 @@ class DartWorld(FreeBodyWorld):
         return bool(skeleton.getNumDofs()) and not skeleton.isMobile()
 
     def is_mover(self, body: int) -> bool:
-        """Return True if a body that the port does not control moves by forces or by an actuator."""
+        """Return True for a mobile body with degrees of freedom, because forces or an actuator may move this body."""
         skeleton = self.nodes[body].getSkeleton()
         return bool(skeleton.getNumDofs()) and bool(skeleton.isMobile())
 
@@ -145,7 +148,10 @@ class DartWorld(FreeBodyWorld):
         unfreeze(self.nodes[body].getSkeleton())
 
     def step_contacts(self, concerns: Concerns, bodies: Set[int]) -> Touching:
-        """Return the contacts of the latest step that ``concerns`` selects."""
+        """Return the contacts of the latest step that ``concerns`` selects.
+
+        If a skeleton has left since the step, return the contacts of the present poses.
+        """
         if self._world.getSimFrames() == self._stale_steps:
             return self.present_contacts(concerns, bodies)
         contacts = self._world.getLastCollisionResult().getContacts()

@@ -4,8 +4,8 @@ Ids are MuJoCo's body ids. The port controls the bodies that ``prepare`` gave a 
 world are the ground. All other bodies are obstacles: robots, mocap bodies, and bodies that the user leaves out. An
 obstacle that touches a controlled body counts as a body that the host moves.
 
-The port returns MuJoCo's contacts, and adds the missing corners of contact areas between boxes, cylinders, meshes and
-planes.
+The port returns MuJoCo's contacts, and adds the missing corners of contact areas between boxes, standing cylinders,
+meshes and planes.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ def open_port(world: Data, bodies: Collection[int | str] | None) -> MujocoPort:
 
     Raises:
         TypeError: if the world is not an ``MjData``.
-        ValueError: if the model or a body has no ghost.
+        ValueError: if the model or a body has no ghost, or ``bodies`` lists a body twice.
     """
     if not isinstance(world, mujoco.MjData):
         raise TypeError(f"attach() needs MuJoCo's MjData, got {type(world).__name__}: pass data = mujoco.MjData(model)")
@@ -125,10 +125,13 @@ class MujocoPort:
         return x, y, z
 
     def begin_update(self, dt: float) -> list[int]:
-        """Check the time; return frozen bodies that the user pushes, and obstacles that turned in place.
+        """Check the time; return obstacles that have turned, and frozen bodies that the user pushes.
+
+        ``xfrc_applied`` shows the pushes.
 
         Raises:
-            ValueError: if ``dt`` is not the time since the previous update, or a pose is not finite.
+            ValueError: if ``dt`` is not the time since the previous update, the time went back, or a pose or a velocity
+                is not finite. The first check omits ``dt`` = 0.
         """
         passed, self._time = self.data.time - self._time, self.data.time
         if passed < 0.0:
@@ -145,7 +148,8 @@ class MujocoPort:
         if not math.isfinite(self.data.qpos.sum() + self.data.qvel.sum()):
             raise ValueError(
                 "this MuJoCo simulation has a pose or a velocity that is not finite, because the simulation has "
-                "diverged: use a smaller timestep or softer contacts"
+                "diverged or the program has set the value: use a smaller timestep or softer contacts, or correct the "
+                "value"
             )
         turned = [body for body, turn in self._turns.items() if abs(self.data.xquat[body] - turn).max() > _TURNED]
         self._turns = {body: self.data.xquat[body].copy() for body in self._obstacles}
@@ -169,7 +173,11 @@ class MujocoPort:
                 self._shapes.add(body, solid)
 
     def remove(self, bodies: Iterable[int]) -> None:
-        """Stop controlling bodies; frozen bodies become live first."""
+        """Stop controlling bodies; frozen bodies become live first.
+
+        Raises:
+            KeyError: for a body without a ghost.
+        """
         bodies = list(bodies)
         self.wake(bodies)
         for body in bodies:
@@ -185,7 +193,10 @@ class MujocoPort:
     # -- called by the core ------------------------------------------------------------------------
 
     def contacts(self) -> Contacts:
-        """Return the contacts that touch a live body, or join a frozen body and an obstacle."""
+        """Return the contacts that touch a live body, or join a frozen body and an obstacle.
+
+        The port adds the missing corners of contact areas.
+        """
         if not self._live and not self._has_movers:
             return NO_CONTACTS
         data = self._collided_copy() if self._finds else self.data
@@ -286,7 +297,7 @@ class MujocoPort:
         self._is_obstacle[free.geoms] = self._is_obstacle[free.ghost_geoms] = not controlled
 
     def _rows(self, geoms: IntArray) -> IntArray:
-        """Return the rows of pairs (n, 2) that touch a live body, or join a frozen body and an obstacle."""
+        """Return the rows of pairs of geoms (n, 2) that touch a live body, or join a frozen body and an obstacle."""
         touches_live = self._is_live[geoms].any(axis=1)
         is_pushed = self._is_frozen[geoms].any(axis=1) & self._is_obstacle[geoms].any(axis=1)
         rows: IntArray = np.flatnonzero((touches_live | is_pushed) & (geoms >= 0).all(axis=1))
@@ -313,7 +324,7 @@ class MujocoPort:
                 self._shapes.add(body, solid)
 
     def _place(self, data: Data) -> None:
-        """Write the poses at the time of the contacts to the table of shapes."""
+        """Write the poses at the time of the contacts to the table of shapes, and add the ground if it is a plane."""
         if GROUND not in self._shapes and len(geoms_of(self.model, 0)) == 1:
             plane = solid_of(self.model, 0)
             if plane is not None and not len(plane.vertices):
@@ -322,7 +333,12 @@ class MujocoPort:
         self._shapes.place(bodies, np.concatenate([data.xpos[bodies], np.roll(data.xquat[bodies], -1, axis=1)], axis=1))
 
     def _motion_of(self, body: int, free: FreeBody | None) -> FloatArray:
-        """Return centre [m], velocity [m/s] and spin [rad/s] of a body, in the world's frame, shape (9,)."""
+        """Return centre [m], velocity [m/s] and spin [rad/s] of a body, in the world's frame, shape (9,).
+
+        Args:
+            body: MuJoCo's id of the body.
+            free: the body's state; None for an obstacle.
+        """
         if free is None:
             velocity = np.empty(6)
             mujoco.mj_objectVelocity(self.model, self.data, mujoco.mjtObj.mjOBJ_BODY, body, velocity, 0)

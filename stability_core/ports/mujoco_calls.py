@@ -25,7 +25,7 @@ Found: TypeAlias = Any
 
 
 def collided_copy(model: Model, data: Data) -> Data:
-    """Return a copy of the state with the contacts at the present poses."""
+    """Return a copy of the state with the contacts at the present poses, also of sleeping bodies."""
     copied = copy.copy(data)
     flags = model.opt.enableflags
     model.opt.enableflags = flags & ~SLEEPING_OR_SPECULATIVE
@@ -41,7 +41,7 @@ def relative_velocities(model: Model, data: Data, bodies: IntArray, points: Floa
 
     Args:
         model: the compiled model.
-        data: its state.
+        data: its state, or a ``collided_copy`` of the state.
         bodies: MuJoCo's ids of both bodies of each contact, shape (n, 2).
         points: contact points [m] in the world's frame, shape (n, 3).
     """
@@ -53,6 +53,8 @@ def relative_velocities(model: Model, data: Data, bodies: IntArray, points: Floa
 
 def contact_forces(model: Model, data: Data, rows: IntArray) -> FloatArray:
     """Return the forces (n, 3) [N] on the second body at ``rows`` (n,) of MuJoCo's contacts in the latest step.
+
+    The forces are in the world's frame. A contact without a constraint has zero force.
 
     The constraint forces of a contact depend on the model's friction cone and on the contact's dimension d:
 
@@ -80,16 +82,16 @@ def contact_forces(model: Model, data: Data, rows: IntArray) -> FloatArray:
 
 
 def speculative_rows(found: Found, rows: IntArray) -> IntArray:
-    """Return the places in ``rows`` (n,) of speculative contacts, which have forces before the bodies touch.
+    """Return the places in ``rows`` (n,) of speculative contacts.
 
-    MuJoCo does not measure the distance of a speculative contact.
+    A speculative contact has a force before the bodies touch. MuJoCo does not measure its distance.
     """
     places: IntArray = np.flatnonzero((found.efc_address[rows] >= 0) & (found.dist[rows] > found.includemargin[rows]))
     return places
 
 
 def fall(model: Model, falls: np.ndarray[Any, np.dtype[np.bool_]]) -> FloatArray:
-    """Return the change (n, 3) [m/s] that gravity causes in one step in the relative velocities of pairs.
+    """Return the change (n, 3) [m/s] by gravity, in one step, of the velocity of each second body against the first.
 
     A pair with a speculative contact falls freely for that step, because the bodies do not touch yet.
 

@@ -3,8 +3,8 @@
 MuJoCo cannot make a body of a compiled model static. Each body therefore has a mocap body with the same geoms (its
 "ghost"). ``park`` takes collisions and weight from a frozen body, and the ghost collides at the body's pose. From
 MuJoCo 3.4.0 on, a parked body also sleeps, and a sleeping body costs no time. No step moves a mocap body, so that the
-drift is zero. MuJoCo lists no contacts of ghosts with one another or with the ground, because both are parts of the
-world body.
+drift is zero. MuJoCo lists no contacts of ghosts with one another or with the ground, because MuJoCo counts ghosts and
+ground as parts of the world body.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ class FreeBody:
         self.wake()
 
     def wake(self) -> None:
-        """Wake the body, and the island in which it sleeps, from MuJoCo's own sleep."""
+        """Wake the body, and the island in which the body sleeps, if MuJoCo has sleeping."""
         if HAS_SLEEP:
             self._data.tree_awake[self.tree] = 1  # MuJoCo wakes a tree whose two sleep records disagree
 

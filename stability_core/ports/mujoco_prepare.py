@@ -13,8 +13,8 @@ Spec: TypeAlias = Any
 SUFFIX = "__ghost"
 """End of a ghost's name, after the name of its body."""
 TINY = 1e-300
-"""Gravity compensation of a controlled body. A parked body needs compensation, and MuJoCo computes no compensation if
-every body has 0. The value is too small to change a sum of forces."""
+"""Gravity compensation of a controlled body that has none in the model. A parked body needs compensation, and MuJoCo
+computes no compensation if every body has 0. The value is too small to change a sum of forces."""
 _COPIED = (
     "type", "size", "pos", "quat", "fromto", "meshname", "friction", "condim", "priority", "solref", "solimp",
     "solmix", "margin", "gap", "fitscale",
@@ -31,8 +31,9 @@ def prepare(spec: Spec, bodies: Collection[str] | None = None) -> Spec:
 
     Args:
         spec: the model.
-        bodies: names of the bodies to control; None for all bodies with a free joint, without further joints or bodies
-            below them.
+        bodies: names of the bodies to control; None for all bodies that can freeze. These bodies have a free joint as
+            their only joint, a geom that collides, and no bodies below them. They have no explicit contact pair and no
+            equality constraint. With None, the function gives names to bodies without a name.
 
     Returns:
         The same model.
@@ -74,7 +75,7 @@ def _checked(spec: Spec, name: str) -> Any:
     body = spec.body(name)
     if body is None:
         known = ", ".join(repr(body.name) for body in _free_bodies(spec)) or "none"
-        raise ValueError(f"this model has no body {name!r}: pass names of bodies with a free joint: {known}")
+        raise ValueError(f"this model has no body {name!r}: pass names of bodies that can freeze: {known}")
     reason = _reason_against(spec, body)
     if reason:
         raise ValueError(f"body {name!r} {reason}")
@@ -91,10 +92,10 @@ def _reason_against(spec: Spec, body: Any) -> str | None:
         return "collides with nothing: give one of its geoms a contype or a conaffinity"
     names = {geom.name for geom in body.geoms if geom.name}
     if any(pair.geomname1 in names or pair.geomname2 in names for pair in spec.pairs):
-        return "has a geom in an explicit contact pair, which acts also while the body is frozen: delete the <pair>"
+        return "has a geom in an explicit contact pair: delete the <pair>, because it acts also on the frozen body"
     tied = {equality.name1 for equality in spec.equalities} | {equality.name2 for equality in spec.equalities}
     if body.name and body.name in tied:
-        return "has an equality constraint, which would pull the frozen body: delete the constraint"
+        return "has an equality constraint: delete the constraint, because it would pull the frozen body"
     return None
 
 
@@ -118,7 +119,10 @@ def _roots(parent: Any) -> Iterator[Any]:
 
 
 def _add_ghost(spec: Spec, body: Any) -> None:
-    """Add the ghost of a body, at the end of the world's bodies, so that other bodies keep their ids."""
+    """Add the ghost of a body, at the end of the world's bodies, so that other bodies keep their ids.
+
+    The ghost excludes contacts with the bodies with which the body excludes contacts.
+    """
     body.gravcomp = body.gravcomp or TINY
     ghost = spec.worldbody.add_body(name=body.name + SUFFIX, mocap=True, pos=body.pos, quat=body.quat)
     for geom in body.geoms:

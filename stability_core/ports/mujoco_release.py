@@ -45,5 +45,5 @@ def detection_attributes(gap: float) -> dict[str, float]:
 
 
 def has_reset(data: mujoco.MjData) -> bool:
-    """Return True if MuJoCo has returned a diverged world to its start."""
+    """Return True if MuJoCo has warned of a diverged state. With the automatic reset, the world then starts again."""
     return bool(data.warning.number[_BAD_STATES].any())

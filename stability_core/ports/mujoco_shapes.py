@@ -16,7 +16,8 @@ def solid_of(model: Model, body: int) -> Solid | None:
     """Return the shape of a body in its frame.
 
     Returns:
-        None if the body is round or has several colliding geoms, because the port then adds no corners.
+        None unless the body has exactly one colliding geom, and this geom is a plane, a box, a cylinder or a mesh. The
+        port then adds no corners.
     """
     geoms = [geom for geom in geoms_of(model, body).tolist() if model.geom_contype[geom] | model.geom_conaffinity[geom]]
     if len(geoms) != 1:

@@ -19,6 +19,8 @@ class ObjectPort(EnginePort, Protocol):
 
         Raises:
             KeyError: if the body is not in the world.
+            TypeError: if ``body`` is no body of the engine. A port may raise ``KeyError`` instead.
+            ValueError: for an object of several bodies.
         """
         ...
 
@@ -32,10 +34,10 @@ class ObjectPort(EnginePort, Protocol):
 
 
 class ObjectAttachment(Attachment):
-    """An attachment whose methods accept the engine's bodies as well as their ids.
+    """An attachment whose methods accept the engine's bodies as well as their ids; ``add`` accepts bodies only.
 
-    ``frozen`` and the changes that ``update`` returns hold ids. ``body_of`` converts ids to
-    bodies, and ``id_of`` converts bodies to ids.
+    ``frozen`` and every ``Change`` hold ids. ``body_of`` converts ids to bodies, and ``id_of`` converts bodies to ids.
+    A method that accepts bodies raises the errors of ``id_of``.
     """
 
     port: ObjectPort
@@ -45,15 +47,18 @@ class ObjectAttachment(Attachment):
 
         Raises:
             RuntimeError: if an open attachment of the world exists.
-            ValueError: if the world has no gravity.
+            ValueError: if the world has no gravity, or its gravity is not finite.
+            UnknownNameError: if ``POLICIES`` does not contain ``policy``.
         """
         super().__init__(port, policy, settings)
 
     def id_of(self, body: Any) -> int:
-        """Return the id of one of the engine's bodies.
+        """Return the id of one of the engine's bodies; return an id unchanged.
 
         Raises:
             KeyError: if the body is not in the world.
+            TypeError: if ``body`` is neither an id nor a body (DART; pymunk raises ``KeyError``).
+            ValueError: for a skeleton of several bodies (DART).
         """
         return body if isinstance(body, int) else self.port.id_of(body)
 
@@ -66,7 +71,7 @@ class ObjectAttachment(Attachment):
         return self.port.body_of(body)
 
     def adopt(self, bodies: Iterable[Any] | None = None) -> Change:
-        """Judge bodies in place by statics at once: see ``Attachment.adopt``."""
+        """Judge bodies in place by statics: see ``Attachment.adopt``."""
         return super().adopt(None if bodies is None else self._ids(bodies))
 
     def wake(self, bodies: Iterable[Any]) -> Change:

@@ -53,7 +53,7 @@ def open_port(world: Any, bodies: Collection[int] | None) -> PybulletPort:
         bodies: ids of the bodies to control; None for all bodies that can freeze.
 
     Raises:
-        ValueError: if the client is not connected, or a body cannot freeze.
+        ValueError: if the client is not connected, a body cannot freeze, or ``bodies`` lists a body twice.
     """
     client = operator.index(getattr(world, "_client", world))
     if not pybullet.isConnected(client):
@@ -88,11 +88,15 @@ class PybulletPort:
     # -- called by the attachment ------------------------------------------------------------------
 
     def gravity(self) -> tuple[float, float, float]:
-        """Return the world's gravity [m/s2] at the latest ``begin_update``, or at the opening of the port."""
+        """Return the world's gravity [m/s2], as the port has last read it."""
         return self._gravity
 
     def _read_parameters(self) -> dict[str, Any]:
-        """Read the parameters of the engine, among them gravity."""
+        """Return the parameters of the engine, and record gravity.
+
+        Raises:
+            pybullet.error: if the client is closed.
+        """
         shown: dict[str, Any] = pybullet.getPhysicsEngineParameters(physicsClientId=self.client)
         self._gravity = (
             shown["gravityAccelerationX"],
@@ -102,10 +106,11 @@ class PybulletPort:
         return shown
 
     def begin_update(self, dt: float) -> list[int]:
-        """Follow bodies that come and go, and check the time; return obstacles that turned in place.
+        """Follow bodies that come and go, and check the time; return obstacles that have turned.
 
         Raises:
-            ValueError: if the client is closed, PyBullet runs by its own clock, or the world contradicts ``dt``.
+            ValueError: if the client is closed, PyBullet runs by its own clock, or the world contradicts ``dt``; if a
+                pose or a velocity is not finite; if a body under control can no longer freeze.
         """
         try:
             shown = self._read_parameters()
@@ -129,7 +134,7 @@ class PybulletPort:
         """Control free bodies.
 
         Raises:
-            ValueError: for a body that does not exist, is static, or has joints.
+            ValueError: for a body that does not exist, is static, has joints, or is under control already.
         """
         for body in bodies:
             self._bodies.add(body)
@@ -149,7 +154,11 @@ class PybulletPort:
     # -- called by the core ------------------------------------------------------------------------
 
     def contacts(self) -> Contacts:
-        """Return the contacts that touch a live body, or join a frozen body and an obstacle that moves."""
+        """Return the contacts that touch a live body, or join a frozen body and an obstacle that can move.
+
+        After ``find_contacts`` the result has the contacts of live bodies only. The port adds the missing corners of
+        contact areas.
+        """
         if not self._bodies.live and not self._bodies.movers:
             return NO_CONTACTS
         rows = self._found_rows() if self._finds else self._step_rows()
@@ -168,7 +177,13 @@ class PybulletPort:
         )
 
     def masses(self) -> Masses:
-        """Return the live bodies, and the obstacles of infinite mass."""
+        """Return the live bodies, and the obstacles of infinite mass.
+
+        Without live bodies, the port omits obstacles that have kept their places for ``CALM_S``.
+
+        Raises:
+            ValueError: if a pose or a velocity is not finite.
+        """
         ids, rows = self._ids, self._rows
         if not len(ids) and not self._bodies.live:
             self._before = None
@@ -188,7 +203,10 @@ class PybulletPort:
             freeze(body, self.client)
 
     def wake(self, bodies: Sequence[int]) -> None:
-        """Return frozen bodies to Bullet, at rest, with their former mass and inertia; skip other bodies."""
+        """Return frozen bodies to Bullet, at rest, with their former mass and inertia; skip other bodies.
+
+        If the client is closed, the method does nothing.
+        """
         bodies = [body for body in bodies if body in self._bodies.frozen]
         if not pybullet.isConnected(self.client):
             return
@@ -204,13 +222,17 @@ class PybulletPort:
     # -- helpers -----------------------------------------------------------------------------------
 
     def _audit_next(self) -> None:
-        """Compare one controlled body with Bullet, in turn, because a removed body's id may belong to a new body."""
+        """Compare one controlled body with Bullet, in turn, because a removed body's id may belong to a new body.
+
+        Raises:
+            ValueError: if the body has changed and can no longer freeze. The port then no longer controls the body.
+        """
         for body in self._bodies.next_changed():
             self._bodies.remove(body)
             self.add([body])
 
     def _step_rows(self) -> Iterable[Row]:
-        """Return Bullet's contacts of the latest step, without duplicates."""
+        """Yield Bullet's contacts of the latest step, at least of live bodies and movers, without duplicates."""
         bodies = self._bodies
         movers = [*bodies.live, *bodies.movers]
         if 2 * len(movers) > bodies.count:
@@ -224,7 +246,7 @@ class PybulletPort:
             done.add(body)
 
     def _found_rows(self) -> Iterable[Row]:
-        """Return the closest points of the near pairs at the present poses."""
+        """Yield the closest points of the pairs with a live body at the present poses, up to a gap of ``NEAR``."""
         bodies, done = self._bodies, set()
         margin = np.full(3, NEAR)
         for body in bodies.live:
@@ -235,10 +257,10 @@ class PybulletPort:
                 yield from pybullet.getClosestPoints(body, other, NEAR, physicsClientId=self.client)
 
     def _read_motions(self) -> list[int]:
-        """Read poses and velocities of live bodies and obstacles; return the obstacles that turned in place.
+        """Read poses and velocities of live bodies and obstacles; return the obstacles that have turned.
 
         Raises:
-            ValueError: if a pose is not finite.
+            ValueError: if a pose or a velocity is not finite.
         """
         live, obstacles = self._bodies.live, self._bodies.obstacles
         if self._keep_places() and not live:
@@ -253,7 +275,7 @@ class PybulletPort:
         return turned
 
     def _keep_places(self) -> bool:
-        """Return True if no obstacle has moved for ``CALM_S``."""
+        """Return True without obstacles, or if no obstacle has moved for ``CALM_S``."""
         places = [self._place_of(key) for key in self._bodies.obstacles]
         self._calm_s = self._calm_s + self._dt if places == self._places else 0.0
         self._places = places

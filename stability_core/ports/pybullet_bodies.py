@@ -14,7 +14,7 @@ from stability_core.ports.shared.shapes import ShapeTable
 LINK_ID = 1 << 20
 """Step of the ids of links: link k of an obstacle b has the id b + (k + 1) LINK_ID. The base, link -1, has the id b."""
 MASS_EVERY = 31
-"""Number of calls of ``next_changed`` for each read of a mass, because a read takes Bullet as long as half a step."""
+"""Number of calls of ``next_changed`` for each read of a mass, because a read takes half as long as Bullet's step."""
 _BASE = -1
 _MASS, _FRICTION, _INERTIA = 0, 1, 2  # columns of getDynamicsInfo
 
@@ -49,7 +49,10 @@ class PybulletBodies:
         self._places: dict[int, object] = {}
 
     def follow(self) -> None:
-        """Control new free bodies, if the port controls all bodies; forget bodies that left the world."""
+        """Control new free bodies, if the port controls all bodies; forget bodies that left the world.
+
+        While the number of bodies in the world is the same, the method does nothing.
+        """
         client = self._client
         count = pybullet.getNumBodies(client)
         if count == self.count:
@@ -90,7 +93,7 @@ class PybulletBodies:
         if body not in present:
             raise ValueError(
                 f"PyBullet client {self._client} has no body {body}: pass ids that createMultiBody or loadURDF "
-                f"returned, of {present}"
+                f"returned, among {present}"
             )
         if body in self.live or body in self.frozen:
             raise ValueError(f"the port controls body {body} already: list each body once")
@@ -128,10 +131,11 @@ class PybulletBodies:
         return kept
 
     def next_changed(self) -> list[int]:
-        """Check the next controlled body, in turn; return the body if Bullet's mass or pose differs from the record.
+        """Check the next controlled body, in turn; return a list with the body if it differs from the record.
 
-        A host may remove a body and add another between two updates, and Bullet gives the new body the same id. A host
-        may also move a frozen body, or change its mass.
+        The method compares the pose of a frozen body, and in one of ``MASS_EVERY`` calls the mass. A frozen body that
+        the host has moved becomes dynamic. Reason: a host may remove a body and add another between two updates, and
+        the new body may have the same id.
         """
         if not self._audited:
             self._audited = [*self.live, *self.frozen]
@@ -160,14 +164,17 @@ class PybulletBodies:
         return float("inf") if body is None else body.mass
 
     def friction_of(self, body: int, link: int) -> float:
-        """Return the coefficient of friction of a body; the coefficient of a pair is the product of both."""
+        """Return the coefficient of friction of a body's link; the coefficient of a pair is the product of both.
+
+        The link -1 is the base.
+        """
         known = self._friction.get((body, link))
         if known is None:
             known = self._friction[body, link] = pybullet.getDynamicsInfo(body, link, self._client)[_FRICTION]
         return known
 
     def pair_of(self, row: Row) -> tuple[int, int] | None:
-        """Return the core's ids of a contact's sides; None if the contact touches no controlled body."""
+        """Return the core's ids of a contact's sides, and add a new obstacle; None without a controlled body."""
         a, b = row[1], row[2]
         controls_a, controls_b = a in self.live or a in self.frozen, b in self.live or b in self.frozen
         if controls_a and controls_b:

@@ -28,7 +28,7 @@ def solid_of(body: int, client: int, *, is_hull: bool) -> Solid | None:
         is_hull: True if a mesh collides as its convex hull, as meshes of free bodies do.
 
     Returns:
-        None if the shape is round, concave or compound, because the port then adds no corners.
+        None if the shape is round, concave, compound or unknown. The port then adds no corners.
     """
     shapes = _shapes_of(body, client)
     if len(shapes) != 1:
@@ -55,7 +55,7 @@ def solid_of(body: int, client: int, *, is_hull: bool) -> Solid | None:
 
 
 def _shapes_of(body: int, client: int) -> tuple[tuple[Any, ...], ...]:
-    """Return PyBullet's rows of a body's collision shapes; empty if the collision shapes are unknown.
+    """Return PyBullet's rows of the collision shapes of a body's base; empty if the collision shapes are unknown.
 
     PyBullet does not report the collision shape of a body in maximal coordinates. The visual shape counts
     instead if the body's moments of inertia, which Bullet computes from the collision shape, fit the visual shape.

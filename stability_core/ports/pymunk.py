@@ -50,8 +50,9 @@ def open_port(world: pymunk.Space, bodies: Collection[pymunk.Body] | None) -> Py
         bodies: the bodies to control; None for all bodies that can freeze.
 
     Raises:
-        TypeError: if the world is no ``pymunk.Space``.
-        ValueError: if the space has Chipmunk's own sleeping, or a body cannot freeze.
+        TypeError: if the world is no ``pymunk.Space``, or an object in ``bodies`` is no ``pymunk.Body``.
+        ValueError: if Chipmunk's own sleeping is on, a body cannot freeze, ``bodies`` lists a body twice, or a pose or
+            a velocity is not finite.
         RuntimeError: if the space is inside a step.
     """
     if not isinstance(world, pymunk.Space):
@@ -90,15 +91,18 @@ class PymunkPort:
     # -- called by the attachment ------------------------------------------------------------------
 
     def gravity(self) -> tuple[float, float, float]:
-        """Return the space's gravity at the latest read of the port, along the core's axes."""
+        """Return the space's gravity, as the port has last read it, along the core's axes and in the space's units."""
         x, y = self._gravity
         return x, 0.0, y
 
     def begin_update(self, dt: float) -> list[int]:
         """Follow bodies that come and go, and check the time; return frozen bodies that moved, and turned obstacles.
 
+        While all bodies are at rest, the port reads and checks the space only after each ``LOOK_S``.
+
         Raises:
-            ValueError: if the space contradicts ``dt``, has Chipmunk's own sleeping, or a pose is not finite.
+            ValueError: if the space contradicts ``dt``, Chipmunk's own sleeping is on, or a pose or a velocity is not
+                finite.
             RuntimeError: if the space is inside a step.
         """
         check_outside_step(self.space, "update() or adopt()")
@@ -134,7 +138,8 @@ class PymunkPort:
 
         Raises:
             TypeError: for an object that is no body.
-            ValueError: for a body that is not in the space, has joints, or is static or kinematic.
+            ValueError: for a body that is not in the space, has joints, is static or kinematic, or is under control
+                already.
         """
         for planar in bodies:
             self._bodies.add(planar)
@@ -145,6 +150,7 @@ class PymunkPort:
 
         Raises:
             KeyError: for an id that is not in the space.
+            RuntimeError: if the space is inside a step.
         """
         check_outside_step(self.space, "remove()")
         self._bodies.leave_out(bodies)
@@ -158,13 +164,13 @@ class PymunkPort:
         """Return the id of a body.
 
         Raises:
-            KeyError: if the body is not in the space.
+            KeyError: if the body is not in the space, or is ``space.static_body``.
         """
         if body not in self._bodies.id_of and isinstance(body, pymunk.Body) and body.space is self.space:
             self._refresh()  # find the bodies that came after the latest update
         if body not in self._bodies.id_of:
             raise KeyError(
-                f"{body!r} is not in this pymunk space: pass a pymunk.Body that space.add(body, shape) has added"
+                f"{body!r} has no id in this pymunk space: pass a pymunk.Body that space.add(body, shape) has added"
             )
         return self._bodies.id_of[body]
 
@@ -179,7 +185,10 @@ class PymunkPort:
     # -- called by the core ------------------------------------------------------------------------
 
     def contacts(self) -> Contacts:
-        """Return the contacts that touch a live body, or join a frozen body and an obstacle that moves."""
+        """Return the contacts that touch a live body, or join a frozen body and an obstacle that moves.
+
+        The contacts include coming impacts of fast bodies on frozen bodies: see ``contacts_ahead``.
+        """
         bodies, finds, self._finds = self._bodies, self._finds, False
         if not (bodies.live or bodies.has_loose or self._movers):
             return NO_CONTACTS
@@ -211,7 +220,10 @@ class PymunkPort:
         return Contacts(bodies.ids[a], bodies.ids[b], points, normals, separations, velocities, friction)
 
     def masses(self) -> Masses:
-        """Return the live bodies, and the obstacles of infinite mass."""
+        """Return the live bodies, and the obstacles of infinite mass that have touched a controlled body.
+
+        The port omits the obstacles once nothing has moved for ``CALM_S``.
+        """
         bodies = self._bodies
         is_calm = self._quiet_s > CALM_S or not (bodies.live or bodies.touched or self._dropped)
         if is_calm and not bodies.has_news():
@@ -290,7 +302,10 @@ class PymunkPort:
         return lift_contacts(*known, *arbiters, selected, 0, self._state, before, self._bodies.depths, 1.0)
 
     def _note_flight(self, pairs: IntArray) -> None:
-        """Check ``dt`` by the live bodies without contacts in this and the previous frame."""
+        """Check ``dt`` by the live bodies without contacts in this and the previous frame.
+
+        The next ``begin_update`` raises an error if ``dt`` contradicts their motion.
+        """
         touching = np.zeros(len(self._state), np.bool_)
         touching[pairs] = True
         flying = self._bodies.is_live & ~touching & ~self._touching

@@ -70,7 +70,7 @@ class PymunkBodies:
     # -- bodies that come and go -------------------------------------------------------------------
 
     def follow(self) -> bool:
-        """Follow masses, and bodies, joints and shapes that come and go; return True if the rows have changed."""
+        """Follow masses, and bodies, joints and shapes that come and go; return True after a rebuild of the rows."""
         space = self._space
         seen = list(space.bodies), list(space.constraints), len(space.shapes)
         rows: list[int] = np.flatnonzero(self.is_live).tolist() if self.live else []
@@ -85,7 +85,10 @@ class PymunkBodies:
         return True
 
     def are_at_rest(self) -> bool:
-        """Return True if no body moves by itself, and the numbers of bodies, joints and shapes are unchanged."""
+        """Return True if no body can move by itself, and the space has as many bodies, joints and shapes as before.
+
+        "Before" is the latest ``follow``. Frozen and static bodies cannot move by themselves.
+        """
         if self.live or self.has_loose or self.has_kinematic or self._seen is None:
             return False
         (bodies, joints, shapes), space = self._seen, self._space
@@ -93,7 +96,7 @@ class PymunkBodies:
         return (len(space._bodies), len(space._constraints), len(space._shapes)) == (len(bodies), len(joints), shapes)
 
     def refresh(self) -> None:
-        """Find the bodies to control, and rebuild the rows."""
+        """Find the bodies to control, stop controlling bodies that can no longer freeze, and rebuild the rows."""
         present = self._space.bodies
         known = set(present)
         for planar in [planar for planar in self.id_of if planar not in known]:
@@ -139,7 +142,11 @@ class PymunkBodies:
         self._left_out.discard(planar)
 
     def leave_out(self, bodies: Iterable[int]) -> None:
-        """Stop controlling bodies, at the next ``refresh``; frozen bodies become live at once."""
+        """Stop controlling bodies; frozen bodies become live. The rows change at the next ``refresh``.
+
+        Raises:
+            KeyError: for an id that is not in the space.
+        """
         for body in bodies:
             planar = self.body_of(body)
             self._left_out.add(planar)
@@ -167,7 +174,7 @@ class PymunkBodies:
         raise KeyError(f"no body of this pymunk space has the id {body}: pass ids that id_of() or update() returned")
 
     def rows_of(self, bodies: Iterable[int]) -> list[int]:
-        """Return the rows of ids that are in the space."""
+        """Return the rows of the ids of bodies in the space; skip other ids."""
         found = ((int(np.searchsorted(self.ids[:-1], body)), body) for body in bodies)
         return [row for row, body in found if row < len(self.ids) - 1 and self.ids[row] == body]
 
@@ -208,7 +215,7 @@ class PymunkBodies:
         self._removed.append(self.id_of[planar])
 
     def _forget(self, planar: pymunk.Body) -> None:
-        """Forget a body that left the space, and make a frozen body dynamic, because the host may add it again."""
+        """Forget a body that left the space; make a frozen body dynamic, because the host may add the body again."""
         body = self.id_of[planar]
         if planar in self.live or planar in self.frozen:
             self._let_go(planar)
@@ -235,7 +242,7 @@ class PymunkBodies:
             self._read_shapes(row)
 
     def _audit_next(self) -> None:
-        """In one call of ``AUDIT_EVERY``, read the shapes of the next body; in the other calls, do nothing.
+        """Read the shapes of the next body in one of ``AUDIT_EVERY`` calls; in the other calls, do nothing.
 
         The reads detect changes of friction and size by the host.
         """

@@ -5,7 +5,7 @@ again has lost its mass and moment of inertia, so that the caller sets both.
 
 Traps:
 
-- A static body keeps the pending correction of its overlap (``v_bias``), which would move the body after
+- A static body keeps the pending correction of its overlap (``v_bias``). This correction would move the body after
   ``unfreeze``. An integration over a time of 0 clears the correction.
 - Chipmunk keeps the arbiters (contact records) of two static bodies without end. Other contacts soon reuse the memory
   of their points. ``forget_pairs`` deletes the arbiters.
@@ -18,7 +18,7 @@ import pymunk
 
 
 def halt(planar: pymunk.Body) -> None:
-    """Stop a body, and clear the pending correction of its overlap, which would move the body in its next step."""
+    """Stop a body, and clear the pending correction of its overlap, because the correction would move the body."""
     planar.velocity = 0.0, 0.0
     planar.angular_velocity = 0.0
     pymunk.Body.update_position(planar, 0.0)
@@ -31,7 +31,7 @@ def freeze(planar: pymunk.Body) -> None:
 
 
 def unfreeze(planar: pymunk.Body, mass: float, moment: float) -> None:
-    """Make a static body dynamic again, with this mass [kg] and moment of inertia."""
+    """Make a static body dynamic again, with this mass and moment of inertia, in the units of the space."""
     planar.body_type = pymunk.Body.DYNAMIC
     planar.mass, planar.moment = mass, moment
 

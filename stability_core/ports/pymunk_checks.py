@@ -18,8 +18,8 @@ def check_outside_step(space: pymunk.Space, call: str) -> None:
     """Raise ``RuntimeError`` if ``call`` happens inside a step, where pymunk aborts the process."""
     if space._locked:
         raise RuntimeError(
-            f"the program called {call} inside space.step(), in a callback of a collision: call it after space.step(), "
-            "because pymunk cannot make a body static inside a step"
+            f"the program called {call} inside space.step(), in a callback: call it after space.step(), because pymunk "
+            "cannot make a body static inside a step"
         )
 
 
@@ -33,7 +33,10 @@ def check_awake(space: pymunk.Space) -> None:
 
 
 def check_time(space: pymunk.Space, dt: float) -> None:
-    """Raise ``ValueError`` unless ``dt`` [s] is a whole number of the space's latest step."""
+    """Raise ``ValueError`` unless ``dt`` [s] is a whole number of steps as long as the space's latest step.
+
+    A ``dt`` of 0, and a space without a step so far, pass the check.
+    """
     step = space.current_time_step
     if dt > 0.0 and step > 0.0 and (dt < step * (1 - _STEP) or abs(dt / step - round(dt / step)) > _STEP):
         raise ValueError(
@@ -47,6 +50,6 @@ def check_finite(bodies: Sequence[pymunk.Body], state: FloatArray) -> None:
     if not np.isfinite(state).all():
         row = np.flatnonzero(~np.isfinite(state).all(axis=1))[0]
         raise ValueError(
-            f"{bodies[row]} has a pose or a velocity that is not finite, because the simulation has diverged: use a "
-            "smaller step, or remove the body"
+            f"{bodies[row]} has a pose or a velocity that is not finite, because the simulation has diverged or the "
+            "program has set the value: use a smaller step, correct the value, or remove the body"
         )

@@ -29,7 +29,7 @@ def lift_contacts(
     depths: FloatArray,
     units_per_metre: float,
 ) -> Rows:
-    """Return the contacts that touch a live body, sorted by the bodies' rows, in three dimensions.
+    """Return the contacts that touch a selected body, sorted by the bodies' rows, in three dimensions.
 
     Each of Chipmunk's points gives two points: the ends of a line along y, as long as the smaller depth of the pair.
     Chipmunk may swap the bodies of a pair from step to step. In the result, body a has the lower row. Between
@@ -41,10 +41,10 @@ def lift_contacts(
             below.
         arbiters: engine ids of a and b, and the number of points, shape (m, 3).
         numbers: the numbers of each arbiter, shape (m, 12), with the columns of ``pymunk_reader.Arbiters``.
-        is_live: mask of the live bodies, by row, shape (n + fixed,).
+        is_live: mask of the selected bodies, such as the live bodies, by row, shape (n + fixed,).
         fixed: number of bodies with negative rows.
         state: states by row, with the columns of ``SpaceReader.state``, shape (n + fixed, 6).
-        before: velocity and spin before each substep, by row, shape (substeps, n + fixed, 3).
+        before: velocity and spin before each substep, by row, in engine units, shape (substeps, n + fixed, 3).
         depths: extents along y [m] by row, shape (n + fixed,).
         units_per_metre: engine units per metre.
 

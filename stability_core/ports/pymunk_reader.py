@@ -46,7 +46,7 @@ Arbiters = tuple[IntArray, FloatArray]
 
 
 class SpaceReader:
-    """Reader of one space of Chipmunk. The reader keeps the latest state until a body changes."""
+    """Reader of one space of Chipmunk. The reader keeps the latest state until the caller notes a change."""
 
     def __init__(self, space: pymunk.Space, fixed_rows: int = 0) -> None:
         self._space = space
@@ -54,7 +54,7 @@ class SpaceReader:
         self._latest: FloatArray | None = None
         self._raw = b""  # the buffer of the latest call of ``has_changed``
         self.rows = fixed_rows
-        """Number of rows: one for each body id up to now, one for the ground, and one for each fixed box."""
+        """Number of rows. In the suite: one for each body id so far, one for the ground, and one for each fixed box."""
         self.engine_ids = np.empty(0, np.int64)
         """The engine's id of every body, sorted. These ids are memory addresses."""
         self.ids = np.empty(0, np.int64)
@@ -88,7 +88,7 @@ class SpaceReader:
         self._latest = None
 
     def has_changed(self) -> bool:
-        """Return True if a pose or a velocity has changed since the previous call; True in the first call."""
+        """Return True if a pose or a velocity has changed since the previous call; True in a first call with bodies."""
         self._fill_with_state()
         raw, self._raw = self._raw, bytes(self._buffer.float_buf())
         return raw != self._raw
@@ -96,7 +96,8 @@ class SpaceReader:
     def state(self) -> FloatArray:
         """Return position (x, z), angle, velocity (x, z) and spin of every body in engine units, shape (rows, 6).
 
-        The method reads the engine only after a change.
+        The method reads the engine only after a call of ``add``, ``assign``, ``remove`` or ``note_change``. Rows
+        without a body of the engine are zero.
         """
         if self._latest is None:
             self._fill_with_state()
@@ -106,13 +107,16 @@ class SpaceReader:
         return self._latest
 
     def arbiters(self) -> Arbiters:
-        """Return the contacts of the latest step, as views that are valid until ``state`` refills the buffer."""
+        """Return the contacts of the latest step, as views that are valid until the reader next reads the engine."""
         self._buffer.clear()
         batch.get_space_arbiters(self._space, _ARBITER, self._buffer)
         return self._buffered(3, 12)
 
     def query(self, bodies: Iterable[pymunk.Body]) -> Arbiters:
-        """Return the contacts of ``bodies`` that a step would detect, without duplicate pairs; create no arbiters."""
+        """Return the contacts of ``bodies`` with overlapping shapes, without duplicate pairs; create no arbiters.
+
+        Sensors have no contacts. The result includes pairs that a step omits, such as a kinematic and a static body.
+        """
         arbiters: list[tuple[int, int, int]] = []
         numbers: list[list[float]] = []
         asked: set[pymunk.Shape] = set()

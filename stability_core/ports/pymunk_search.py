@@ -17,7 +17,7 @@ HORIZON = 2.0
 
 
 def contacts_in_place(space: pymunk.Space, bodies: PymunkBodies) -> Arbiters:
-    """Return the contacts of the live bodies at the present poses, also at a gap of zero."""
+    """Return the contacts of the live bodies at the present poses, up to the gap ``NEAR`` of ``pymunk_touch``."""
     live = [shape for planar in bodies.rows if planar in bodies.live for shape in planar.shapes]
     others = [shape for shape in space.shapes if shape.body not in bodies.live]
     return found_contacts([shape for shape in live if shape.space is space], others)
@@ -39,6 +39,8 @@ def fast_rows(bodies: PymunkBodies, state: FloatArray, dt: float) -> IntArray:
 
 def contacts_ahead(space: pymunk.Space, bodies: PymunkBodies, rows: IntArray, state: FloatArray, dt: float) -> Arbiters:
     """Return the contacts in which the bodies of ``rows`` will meet frozen bodies within ``HORIZON`` frames.
+
+    The search assumes that the bodies of ``rows`` keep their velocities, and do not turn.
 
     Args:
         space: the space.

@@ -33,7 +33,7 @@ class Outline(NamedTuple):
     radius: float
     """Radius by which the shape extends beyond its corners and edges."""
     reach: float
-    """Half of the diagonal of the bounding box."""
+    """Half of the diagonal of the corners' bounding box, plus the radius."""
 
 
 class Touch(NamedTuple):
@@ -102,7 +102,7 @@ def meeting_of(a: Outline, b: Outline, way: Point) -> Touch | None:
     """Return the contact in which shape a meets shape b, if a moves by ``way`` without turning; None without a meeting.
 
     The points lie on b. Their distance is the path of a along the normal until the shapes meet (conservative
-    advancement).
+    advancement). The result is None as well if ``_ADVANCES`` steps do not find the meeting.
     """
     near, part = NEAR * min(a.reach, b.reach), 0.0
     for _ in range(_ADVANCES):
@@ -138,7 +138,7 @@ def collide(a: pymunk.Shape, b: pymunk.Shape) -> bool:
 
 
 def _near_pairs(outlines: list[Outline], count: int) -> Iterator[tuple[int, int]]:
-    """Yield the pairs of rows with touching bounding boxes; the first row is among the first ``count`` rows."""
+    """Yield the pairs of rows whose bounding boxes, enlarged by ``NEAR``, touch; the first row is below ``count``."""
     grown = [outline.radius + NEAR * outline.reach for outline in outlines]
     low = np.array([np.min(outline.corners, axis=0) for outline in outlines]).reshape(-1, 2) - np.array(grown)[:, None]
     high = np.array([np.max(outline.corners, axis=0) for outline in outlines]).reshape(-1, 2) + np.array(grown)[:, None]

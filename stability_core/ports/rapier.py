@@ -1,8 +1,11 @@
 """A port to a Rapier world that the user owns.
 
-The id of a body is ``id_of(handle)``. The port controls free dynamic bodies. All other bodies are obstacles: kinematic
-and fixed bodies, bodies with joints, with locked axes or without the world's gravity, and bodies that the user leaves
-out. Colliders without a body are obstacles as well.
+The id of a body is ``id_of(handle)``. The port controls free dynamic bodies. All other bodies are obstacles:
+
+- kinematic, fixed and disabled bodies;
+- bodies with joints, locked axes or a contact skin, and bodies without mass or without the world's gravity;
+- bodies that the user leaves out;
+- colliders without a body.
 
 The port returns Rapier's contacts, and adds the missing corners of contact areas between boxes, standing cylinders,
 convex polyhedra and half spaces. The port changes no setting of the world or of a live body.
@@ -52,7 +55,7 @@ def open_port(world: Any, bodies: Collection[int] | None) -> FreeBodyPort:
 
     Raises:
         TypeError: if ``world`` is no ``rapier3d.PhysicsWorld``.
-        ValueError: if a body cannot freeze.
+        ValueError: if a body cannot freeze, or ``bodies`` lists a body twice.
     """
     if not isinstance(world, rapier3d.PhysicsWorld):
         raise TypeError(
@@ -100,7 +103,7 @@ class RapierWorld(FreeBodyWorld):
         return self._bodies.follow()
 
     def can_read(self, bodies: Collection[int]) -> bool:
-        """Return True if ``bodies`` are in the world, and the numbers of bodies and colliders are as before."""
+        """Return True if ``bodies`` are in the world, and the world has as many bodies and colliders as before."""
         return self._bodies.are_current(bodies)
 
     def rest(self) -> None:
@@ -159,7 +162,10 @@ class RapierWorld(FreeBodyWorld):
         return np.array([self._bodies.motion_of(body) for body in bodies], np.float64).reshape(-1, COLUMNS)
 
     def box(self, body: int) -> FloatArray:
-        """Return the lower, then the upper corner [m] of the box around a body, along the world's axes, shape (6,)."""
+        """Return the lower, then the upper corner [m] of the box around a body, along the world's axes, shape (6,).
+
+        All six numbers are infinite for a body without colliders.
+        """
         boxes = [collider.compute_aabb() for collider in self._bodies.colliders_of(body)]
         lower = np.min([box.mins.to_tuple() for box in boxes], axis=0, initial=np.inf)
         return np.concatenate([lower, np.max([box.maxs.to_tuple() for box in boxes], axis=0, initial=-np.inf)])
@@ -185,7 +191,7 @@ class RapierWorld(FreeBodyWorld):
         unfreeze(self._bodies.views[body])
 
     def step_contacts(self, concerns: Concerns, bodies: Set[int]) -> Touching:
-        """Return the contacts of the latest step that ``concerns`` selects."""
+        """Return the contacts of the latest step that ``concerns`` selects, at the present poses."""
         return self._touching(self.world.narrow_phase, concerns, bodies)
 
     def present_contacts(self, concerns: Concerns, bodies: Set[int]) -> Touching:

@@ -46,7 +46,7 @@ class RapierBodies:
         self._with_center: set[int] = set()  # bodies whose centre of mass is not the origin of their frame
 
     def follow(self) -> bool:
-        """Record the present bodies; return True if bodies or colliders have come or gone."""
+        """Record the present bodies; return True if bodies or colliders have come or gone since the previous call."""
         world = self._world
         listed = list(world.rigid_bodies.handles())
         if self._knows_all and len(world.colliders) == self._collider_count and listed == self._listed:

@@ -2,7 +2,7 @@
 
 ``freeze`` stops a body and makes it ``FIXED``. A body that becomes ``DYNAMIC`` again has the mass and inertia of its
 colliders. Rapier scales a body's quaternion to unit length when its type changes and in later steps. Single precision
-may have no quaternion of exactly unit length nearby. Each scaling then changes a last bit, so that a freeze first
+may have no quaternion of exactly unit length nearby. Each scaling then changes a last bit. Therefore a freeze also
 settles the rotation (``rapier_rotation.py``).
 
 Contacts are points in the frames of the two colliders. Rapier detects contacts at the start of a step. As long as a
@@ -47,7 +47,7 @@ def friction_of(first: rapier3d.Collider, second: rapier3d.Collider) -> float:
 
 
 def freeze(view: rapier3d.RigidBody) -> None:
-    """Make a dynamic body fixed."""
+    """Stop a dynamic body, and make it fixed, with a rotation that Rapier keeps."""
     stop(view)  # a fixed body with a velocity would keep moving
     view.body_type = rapier3d.RigidBodyType.FIXED
     settle_rotation(view)

@@ -40,7 +40,7 @@ def solid_of(colliders: list[rapier3d.Collider], center: FloatArray) -> Solid | 
         center: centre of mass in the frame of the body [m], shape (3,).
 
     Returns:
-        None if the shape is round, concave or compound, because the port then adds no corners.
+        None if the shape is round, concave or compound, or the body has no collider. The port then adds no corners.
     """
     if len(colliders) != 1:
         return None

@@ -42,7 +42,7 @@ def open_port(world: Any, bodies: Collection[int] | None) -> FreeBodyPort:
 
     Raises:
         TypeError: if ``world`` is no scene and no ``PhysxCpuSystem``, or the scene has no PhysX on the processor.
-        ValueError: if a body cannot freeze.
+        ValueError: if a body cannot freeze, or ``bodies`` lists a body twice.
     """
     system = world.physx_system if isinstance(world, sapien.Scene) else world
     if not isinstance(system, physx.PhysxCpuSystem):
@@ -167,7 +167,7 @@ class SapienWorld(FreeBodyWorld):
         return self._is_dynamic(body) and bool(self._components[body].kinematic)
 
     def is_mover(self, body: int) -> bool:
-        """Return True if a body that the port does not control moves by forces: a link of a robot, a free body."""
+        """Return True for a body that forces move: a dynamic body that is not kinematic, or a link of a robot."""
         part = self._components[body]
         is_static = isinstance(part, physx.PhysxRigidStaticComponent)
         return not is_static and not self.is_kinematic(body)

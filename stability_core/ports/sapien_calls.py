@@ -18,11 +18,11 @@ import numpy as np
 from stability_core.port import FloatArray, IntArray
 
 MAX_SEPARATION = 1e-3
-"""Greatest gap [m] of a contact point: twice the greatest gap of a contact in the core, so that the core gets every
-contact."""
+"""Greatest gap [m] of a contact point without an impulse. For a plank of 117 mm this is twice the greatest gap of a
+contact in the core (``Settings.contact_gap``)."""
 
 Component: TypeAlias = Any
-"""A rigid body of SAPIEN, which is a component of an entity."""
+"""A rigid body of SAPIEN: a component of an entity."""
 Listed: TypeAlias = tuple[int, int, list[Any], Any]
 """Bodies a and b of a pair, PhysX's points of the pair, and PhysX's contact."""
 
@@ -70,7 +70,7 @@ def listed_pairs(
 
 
 def touching_points(listed: Iterable[Listed], scale: float) -> tuple[tuple[IntArray, IntArray], FloatArray]:
-    """Return the contact points without a gap, or with a gap of at most ``MAX_SEPARATION``.
+    """Return the contact points without a gap, with a gap of at most ``MAX_SEPARATION``, or with an impulse.
 
     Args:
         listed: pairs from ``listed_pairs``.
@@ -79,10 +79,10 @@ def touching_points(listed: Iterable[Listed], scale: float) -> tuple[tuple[IntAr
     Returns:
         Bodies a and b, each of shape (n,), and an array of shape (n, 10) with the columns:
 
-        - 0 to 2: position [m];
-        - 3 to 5: normal;
-        - 6: separation [m];
-        - 7 to 9: impulse [N s].
+        - 0 to 2: position [m] in the world's frame;
+        - 3 to 5: unit normal from a to b;
+        - 6: separation [m], 0 for a point with an impulse across a gap;
+        - 7 to 9: impulse [N s] on b.
     """
     body_a: list[int] = []
     body_b: list[int] = []
@@ -100,7 +100,7 @@ def touching_points(listed: Iterable[Listed], scale: float) -> tuple[tuple[IntAr
 
 
 def all_impulses(listed: Iterable[Listed]) -> tuple[tuple[IntArray, IntArray], FloatArray]:
-    """Return bodies a and b, each of shape (n,), and the impulses (n, 3) [N s] of all points."""
+    """Return bodies a and b, each of shape (n,), and the impulses (n, 3) [N s] on b, of all points of the pairs."""
     body_a: list[int] = []
     body_b: list[int] = []
     impulses: list[FloatArray] = []

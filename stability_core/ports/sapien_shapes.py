@@ -27,7 +27,7 @@ def solid_of(component: Component) -> Solid | None:
     """Return the shape of a body relative to its centre of mass, in the orientation of its frame.
 
     Returns:
-        None if the shape is round, concave or compound, because the port then adds no corners.
+        None if the shape is round, concave or compound, or the body has no shape. The port then adds no corners.
     """
     shapes = component.collision_shapes
     if len(shapes) != 1:

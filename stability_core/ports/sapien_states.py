@@ -10,7 +10,7 @@ import numpy as np
 from stability_core.port import FloatArray, IntArray
 
 STATE_ALONE, POSITION_ALONE = 50, 15
-"""Ratios of the time to read the state (10 us), or the position (3 us), of one body to the time per body of the packed
+"""Times to read the state (10 us) and the position (3 us) of one body, each divided by the time per body of the packed
 block (0.2 us). The packed block holds every body of the world."""
 
 

@@ -1,1 +1,1 @@
-"""Arrays of contacts and motions for the ports and for the suite's adapters."""
+"""Modules that several ports share, such as contact areas and approach velocities; the suite's adapters use some."""

@@ -12,7 +12,7 @@ from stability_core.port import FloatArray, IntArray
 
 @dataclass(frozen=True, slots=True)
 class Motions:
-    """Positions and velocities of the m live and moved bodies before each of the frame's s substeps."""
+    """Positions and velocities of m bodies before each of the frame's s substeps. All other bodies are at rest."""
 
     body: IntArray
     """Ids of the bodies, in rising order, shape (m,)."""
@@ -21,7 +21,7 @@ class Motions:
     linear: FloatArray
     """Velocities [m/s] of the centres of mass, shape (s, m, 3)."""
     angular: FloatArray
-    """Angular velocities [rad/s], shape (s, m, 3)."""
+    """Angular velocities [rad/s] in the world's frame, shape (s, m, 3)."""
 
 
 def fastest_approach(
@@ -33,7 +33,7 @@ def fastest_approach(
         before: motions in the frame; None without a record.
         a: first bodies, shape (n,).
         b: second bodies, shape (n,).
-        point: contact points [m], shape (n, 3).
+        point: contact points [m] in the world's frame, shape (n, 3).
         normal: unit normals from a to b, shape (n, 3).
         noise: margin [m/s] by which an approach must be faster to replace the approach of an earlier substep. The
             approaches of bodies at rest differ only by the solver's noise, so that the margin keeps the first substep.

@@ -10,7 +10,8 @@ from stability_core.port import BoolArray, FloatArray, IntArray
 from stability_core.ports.shared.approach import Motions
 
 COLUMNS = 13
-"""Centre of mass [m], quaternion (x, y, z, w), velocity [m/s] and spin [rad/s] of a body, in the world's frame."""
+"""Number of columns of a row, in the world's frame: centre of mass [m] (3), quaternion (x, y, z, w) (4), velocity [m/s]
+(3) and spin [rad/s] (3)."""
 CENTER, POSE, VELOCITY, SPIN = slice(0, 3), slice(0, 7), slice(7, 10), slice(10, 13)
 _TURN = slice(3, 7)
 _TURNED = 1e-4
@@ -22,22 +23,22 @@ def check_finite(ids: IntArray, rows: FloatArray) -> None:
     if not np.isfinite(rows).all():
         body = ids[np.flatnonzero(~np.isfinite(rows).all(axis=1))[0]]
         raise ValueError(
-            f"body {body} has a pose or a velocity that is not finite, because the simulation has diverged: use "
-            "a smaller step or softer contacts, or remove the body"
+            f"body {body} has a pose or a velocity that is not finite, because the simulation has diverged or the "
+            "program has set the value: use a smaller step or softer contacts, correct the value, or remove the body"
         )
 
 
 def turned_bodies(
     bodies: Collection[int], ids: IntArray, rows: FloatArray, earlier_ids: IntArray, earlier_rows: FloatArray
 ) -> list[int]:
-    """Return the bodies that have turned between two frames.
+    """Return the bodies that have turned between two frames; skip bodies without a row in each frame.
 
     Args:
         bodies: ids of the bodies to compare.
         ids: ids of the later frame's rows, shape (n,).
-        rows: rows of the later frame, shape (n, 13).
+        rows: rows of the later frame, or their first seven columns, shape (n, 13) or (n, 7).
         earlier_ids: ids of the earlier frame's rows, shape (m,).
-        earlier_rows: rows of the earlier frame, shape (m, 13).
+        earlier_rows: rows of the earlier frame, shape (m, 13) or (m, 7).
     """
     if not bodies:
         return []

@@ -11,7 +11,7 @@ from typing import TypeAlias, TypeVar
 Item = TypeVar("Item")
 """Type of the engine's record of a pair."""
 IdsOf: TypeAlias = Callable[[Item], tuple[int | None, int | None]]
-"""Function that returns the ids a and b of an engine's pair; None for a body that left after the latest step."""
+"""Function that returns the ids a and b of an engine's pair; None for an unknown body, such as a body that has left."""
 
 
 def pairs_of(
@@ -23,15 +23,15 @@ def pairs_of(
 ) -> Iterator[tuple[int, int, Item]]:
     """Yield bodies a and b, and the pair, for every pair that contains one of ``bodies``, without duplicates.
 
-    If ``bodies`` are most of the world's bodies, the function reads all pairs in one call of the engine. Otherwise the
-    function reads the pairs of each body.
+    The function skips pairs with an unknown body. If ``bodies`` are more than half of the world's bodies, the function
+    reads all pairs in one call of the engine. Otherwise the function reads the pairs of each body.
 
     Args:
         bodies: ids of the bodies, in a container with fast membership tests.
         count: number of bodies of the world.
         every: returns all pairs of the engine.
         of_body: returns the pairs of one body.
-        ids_of: returns bodies a and b of a pair.
+        ids_of: returns bodies a and b of a pair; None for an unknown body.
     """
     if 2 * len(bodies) > count:
         for item in every():

@@ -4,7 +4,8 @@ Some engines list penetrating points only, often three of a face's four corners,
 missing corners would bear force as well. This module completes the contacts of a pair at the normal that the engine
 lists. With heights along the normal:
 
-1. Select the vertices of body a within a tolerance of its greatest height, and of body b of its least height.
+1. Select the vertices of body a near its greatest height, and the vertices of body b near its least height, within a
+   tolerance.
 2. Project both sets along the normal. Their convex hulls are the faces, edges or vertices that face each other.
 3. Intersect the hulls. The corners of the intersection are the corners of the contact area.
 4. Fit a plane to the heights of each set. The gap at a corner differs from the gap at the listed point by the
@@ -27,8 +28,8 @@ NEAR = 1.67e-3
 """Greatest difference of a corner's gap from the gap at the deepest point [half diagonals of the smaller body]. For a
 plank of 117 mm, the value is 0.1 mm. This length exceeds the differences below a tilted body at rest."""
 UPRIGHT = 0.9
-"""Least cosine of a cylinder's axis to the normal at which the vertices of its rims stand for the cylinder. On its side
-a cylinder touches along a line, which rolls, but the polygon of its rim has flat sides."""
+"""Least cosine of the angle between a cylinder's axis and the normal at which the vertices of its rims represent the
+cylinder. A cylinder on its side touches along a line and rolls, but the polygon of its rim has flat sides."""
 SAME = 1.67e-2
 """Greatest distance between a corner and a listed point for the same point [half diagonals of the smaller body]."""
 _DEGENERATE = 1e-12
@@ -37,7 +38,7 @@ _DEGENERATE = 1e-12
 
 @numba.njit(cache=True)
 def _next_corner(points: FloatArray, here: int) -> int:
-    """Return the point after ``here`` on the convex hull, counter-clockwise; -1 if all points coincide."""
+    """Return the row of the point after row ``here`` on the convex hull, counter-clockwise; -1 if all coincide."""
     there = -1
     for i in range(len(points)):
         dx, dy = points[i, 0] - points[here, 0], points[i, 1] - points[here, 1]
@@ -101,7 +102,11 @@ def _cut(polygon: FloatArray, x: float, y: float, nx: float, ny: float) -> Float
 
 @numba.njit(cache=True)
 def _intersection(polygon: FloatArray, window: FloatArray) -> FloatArray:
-    """Return the part of a polygon, a line or a point inside a convex ``window`` (m, 3), counter-clockwise, m >= 3."""
+    """Return the part (k, 3) of a polygon, a line or a point (n, 3) inside a convex window; k = 0 without such a part.
+
+    The corners of the ``window`` (m, 3), m >= 3, are counter-clockwise. The function shifts each edge of the window
+    outwards by 1e-6 of its length, so that rounding removes no corner on an edge.
+    """
     for i in range(len(window)):
         x, y = window[i, 0], window[i, 1]
         dx, dy = window[(i + 1) % len(window), 0] - x, window[(i + 1) % len(window), 1] - y
@@ -113,7 +118,10 @@ def _intersection(polygon: FloatArray, window: FloatArray) -> FloatArray:
 
 @numba.njit(cache=True)
 def _slope(hull: FloatArray) -> tuple[float, float]:
-    """Return the slopes (gx, gy) of the heights c + gx x + gy y fitted to the corners of a hull by least squares."""
+    """Return the slopes (gx, gy) of the heights c + gx x + gy y fitted to the corners of a hull by least squares.
+
+    The slope across a line is 0. Both slopes of a point are 0.
+    """
     n = len(hull)
     mx, my, mh = 0.0, 0.0, 0.0
     for i in range(n):
@@ -191,7 +199,10 @@ def _placed(vertices: FloatArray, pose: FloatArray) -> FloatArray:
 
 @numba.njit(cache=True)
 def _stands(axis: FloatArray, pose: FloatArray, normal: FloatArray) -> bool:
-    """Return True unless a cylinder with this axis, in its own frame, touches with its side at a contact normal."""
+    """Return False for a cylinder that touches with its side at a contact normal, otherwise True.
+
+    The ``axis`` (3,) is a unit vector in the body's own frame, or zero for a body that is no cylinder.
+    """
     if axis[0] == 0.0 and axis[1] == 0.0 and axis[2] == 0.0:
         return True
     ends = _placed(np.array([[0.0, 0.0, 0.0], [axis[0], axis[1], axis[2]]]), pose)
@@ -207,9 +218,12 @@ def area_corners(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the corners (k, 3) [m] of the contact area of two convex bodies, and their gaps (k,) [m].
 
+    The result omits corners whose gap differs from ``gap`` by more than ``near``. Two edges that cross have no corners,
+    because these edges meet in the listed point.
+
     Args:
         vertices_a: vertices of body a in the world's frame, shape (m, 3); m = 0 for a half space.
-        vertices_b: vertices of body b.
+        vertices_b: vertices of body b in the world's frame, shape (n, 3); n = 0 for a half space.
         normal: unit normal from a to b, shape (3,).
         point: a contact point that the engine lists, shape (3,).
         gap: separation [m] at that point.
@@ -278,17 +292,18 @@ def missing_corners(
         vertices: vertices of all bodies in their own frames [m], shape (v, 3).
         first_vertex: first vertex of each body, and v, shape (m + 1,).
         poses: positions [m] and quaternions (x, y, z, w), shape (m, 7).
-        sizes: half diagonals [m], shape (m,); infinite for a half space.
+        sizes: greatest distance [m] of each body's vertices from its own origin, such as the half diagonal of a box,
+            shape (m,); infinite for a half space.
         axes: axes of cylinders in their own frames, shape (m, 3); zero for other bodies.
         a: row of the first body of each contact, shape (n,); contacts of a pair are adjacent. A negative row is a body
-            of unknown shape, which gets no corners.
-        b: row of the second body of each contact, shape (n,).
+            of unknown shape. Pairs with this body get no corners.
+        b: row of the second body of each contact, or a negative row as in ``a``, shape (n,).
         point: contact points [m], shape (n, 3).
         normal: unit normals from a to b, shape (n, 3).
         separation: separations [m], shape (n,).
 
     Returns:
-        The index (k,) of a contact of the corner's pair, the corners (k, 3) [m], and their gaps (k,) [m].
+        The index (k,) of the deepest contact of the corner's pair, the corners (k, 3) [m], and their gaps (k,) [m].
     """
     room, kept = 16 + len(a), 0
     rows, corners, gaps = np.empty(room, np.int64), np.empty((room, 3)), np.empty(room)

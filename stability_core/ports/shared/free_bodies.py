@@ -31,17 +31,17 @@ class FreeBodies:
         self.frozen: dict[int, float] = {}
         """Mass [kg] of each frozen body."""
         self.obstacles: set[int] = set()
-        """Bodies that have touched a controlled body."""
+        """Uncontrolled bodies, except half spaces, that have touched a controlled body."""
         self.movers: set[int] = set()
         """Bodies that move by forces, outside the control of the port. These bodies collide with frozen bodies."""
         self.moved: list[int] = []
-        """Frozen bodies that the host had moved, among the bodies that the latest look checked."""
+        """Frozen bodies that the host had moved, among the bodies that a look in this frame checked."""
         self.has_looked = True
         """True in the frames of looks."""
         self.has_new_obstacle = False
         """True if ``sides`` has noted an obstacle since the latest read of the motions."""
         self.kinematic: list[int] = []
-        """Bodies that the host moves."""
+        """Uncontrolled bodies that the host moves."""
         self.shapes = ShapeTable()
         self._present: set[int] = set()
         self._planes: set[int] = set()
@@ -56,7 +56,9 @@ class FreeBodies:
     # -- bodies that come and go ----------------------------------------------------------------------
 
     def look(self, dt: float) -> list[int]:
-        """Follow the world through a frame of ``dt`` [s], and find the frozen bodies that the host has moved.
+        """Follow the world through a frame of ``dt`` [s]; in the frame of a look, check the places of frozen bodies.
+
+        A frame with ``dt`` = 0, or ``LOOK_S`` after the latest look, has a look.
 
         Returns:
             A list with the next live body, in turn, if this body can no longer freeze, for example because of a new
@@ -99,8 +101,8 @@ class FreeBodies:
         for body in bodies:
             if body not in self._present:
                 raise ValueError(
-                    f"this {self._world.engine} world has no body {body!r}: pass {self._world.ids_from} of bodies in "
-                    f"the world, of {sorted(self._present)}"
+                    f"this {self._world.engine} world has no body {body!r}: pass {self._world.ids_from} of a body in "
+                    f"the world, one of {sorted(self._present)}"
                 )
             if body in self.live or body in self.frozen:
                 raise ValueError(f"the port controls body {body} already: list each body once")
@@ -111,13 +113,13 @@ class FreeBodies:
         self._sort_others()
 
     def remove(self, bodies: Iterable[int]) -> None:
-        """Stop controlling live bodies."""
+        """Stop controlling live bodies; skip unknown bodies."""
         for body in bodies:
             self._forget(body)
         self._sort_others()
 
     def take_removed(self) -> list[int]:
-        """Return the ids that left the world or the port's control since the previous call."""
+        """Return the ids of bodies that left the world or the port's control since the previous call."""
         removed, self._removed = self._removed, []
         return removed
 
@@ -155,7 +157,10 @@ class FreeBodies:
         return bodies
 
     def beside_kinematic(self) -> Sequence[int]:
-        """Return the frozen bodies beside a kinematic body that has moved since the previous call."""
+        """Return the frozen bodies beside a kinematic body that has moved since the latest comparison.
+
+        The method compares poses only while bodies are frozen.
+        """
         if not self.kinematic or not self.frozen:
             return ()
         rows = self._world.motions(self.kinematic)
@@ -186,7 +191,10 @@ class FreeBodies:
             self.moved = [frozen[row] for row in np.flatnonzero(differs).tolist()]
 
     def _check_next(self) -> list[int]:
-        """Check the next live body, in turn; return the body if it can no longer freeze, else record its mass."""
+        """Check the next live body, in turn; return a list with the body if it can no longer freeze.
+
+        Otherwise the list is empty, and the method records the body's mass.
+        """
         if not self.live:
             return []
         if not self._unchecked:
@@ -220,7 +228,7 @@ class FreeBodies:
         self._boxes = None
 
     def _note_obstacle(self, body: int) -> None:
-        """Record an obstacle that touches a controlled body for the first time."""
+        """Record an obstacle that touches a controlled body for the first time; add a half space to the ground."""
         solid = self._world.solid(body)
         if solid is not None and not len(solid.vertices):
             self._planes.add(body)

@@ -70,10 +70,13 @@ class FreeBodyPort:
         return self._world.gravity()
 
     def begin_update(self, dt: float) -> list[int]:
-        """Follow the world, and check the time; return turned obstacles, and frozen bodies beside kinematic movers.
+        """Follow the world, check the time, and return the bodies to wake.
+
+        These bodies are obstacles that have turned, and frozen bodies beside a kinematic body that has moved.
 
         Raises:
-            ValueError: if the world contradicts ``dt``, or a pose is not finite.
+            ValueError: if the world contradicts ``dt``, ``FreeBodyWorld.check`` fails, or a pose or a velocity is not
+                finite. Without live bodies, the port makes the first two checks in the frames of looks only.
         """
         leaving = self._bodies.look(dt)
         if self._bodies.live or self._bodies.has_looked:
@@ -93,7 +96,7 @@ class FreeBodyPort:
         self._bodies.add(bodies)
 
     def remove(self, bodies: Iterable[int]) -> None:
-        """Stop controlling bodies; frozen bodies become live first."""
+        """Stop controlling bodies; frozen bodies become live first. Skip bodies that are unknown to the port."""
         bodies = list(bodies)
         if bodies:
             self.wake(bodies)
@@ -106,7 +109,10 @@ class FreeBodyPort:
     # -- called by the core ---------------------------------------------------------------------------
 
     def contacts(self) -> Contacts:
-        """Return the contacts that touch a live body, or join a frozen body and an obstacle that moves by forces."""
+        """Return the contacts that touch a live body, or join a frozen body and an obstacle that moves by forces.
+
+        The port adds the missing corners of contact areas.
+        """
         live, finds, self._finds = self._bodies.live, self._finds, False
         if not live and not self._bodies.movers:
             return NO_CONTACTS
@@ -124,7 +130,13 @@ class FreeBodyPort:
         return self._bodies.shapes.completed(contacts)
 
     def masses(self) -> Masses:
-        """Return the live bodies, the obstacles (of infinite mass), and frozen bodies that the host has moved."""
+        """Return the live bodies, the obstacles (of infinite mass), and frozen bodies that the host has moved.
+
+        Without live and moved bodies, the port omits obstacles that have kept their places for ``CALM_S``.
+
+        Raises:
+            ValueError: if a pose or a velocity is not finite.
+        """
         bodies, removed = self._bodies, self._bodies.take_removed()
         if bodies.has_new_obstacle:
             self._read_motions()
@@ -153,10 +165,10 @@ class FreeBodyPort:
     # -- helpers --------------------------------------------------------------------------------------
 
     def _read_motions(self) -> list[int]:
-        """Read the motions of live bodies and obstacles; return the obstacles that turned in place.
+        """Read the motions of live bodies, obstacles and moved frozen bodies; return the obstacles that have turned.
 
         Raises:
-            ValueError: if a pose is not finite.
+            ValueError: if a pose or a velocity is not finite.
         """
         live, obstacles, moved = self._bodies.live, self._bodies.obstacles, self._bodies.moved
         self._bodies.has_new_obstacle = False
@@ -179,7 +191,10 @@ class FreeBodyPort:
         return turned
 
     def _may_omit_obstacles(self) -> bool:
-        """Return True if no obstacle has moved for ``CALM_S``; read static obstacles in the frames of looks only."""
+        """Return True without obstacles, or if no obstacle has moved for ``CALM_S``.
+
+        Without kinematic bodies and movers, the method reads the poses of obstacles in the frames of looks only.
+        """
         bodies = self._bodies
         if not bodies.obstacles:
             return True

@@ -34,7 +34,7 @@ class Touching(NamedTuple):
 
 
 class FreeBodyWorld(ABC):
-    """A user's world. Each body has an id, which the world never gives to another body."""
+    """A user's world. Each body has an id. The world never gives this id to another body."""
 
     engine: ClassVar[str]
     """Name of the engine in messages."""
@@ -52,10 +52,10 @@ class FreeBodyWorld(ABC):
         """Return the time [s] of one step."""
 
     def check(self) -> None:  # noqa: B027 # few engines report it
-        """Raise ``ValueError`` if the engine itself reports that the simulation has diverged."""
+        """Raise ``ValueError`` if the engine reports a state that the port cannot follow, for example a divergence."""
 
     def rest(self) -> None:  # noqa: B027 # few engines need it
-        """Make the engine's steps skip the frozen bodies. The port may call this method while no body is live."""
+        """Make the engine's steps skip the frozen bodies. The port calls this method only while no body is live."""
 
     @abstractmethod
     def has_changed(self) -> bool:
@@ -79,7 +79,10 @@ class FreeBodyWorld(ABC):
 
     @abstractmethod
     def solid(self, body: int) -> Solid | None:
-        """Return the shape of a body, relative to its centre of mass; None for a round, concave or compound shape."""
+        """Return the shape of a body, relative to its centre of mass; None for a shape without known vertices.
+
+        Round, concave and compound shapes are examples. A half space has a ``Solid`` without vertices.
+        """
 
     @abstractmethod
     def motions(self, bodies: list[int]) -> FloatArray:
@@ -95,7 +98,7 @@ class FreeBodyWorld(ABC):
 
     @abstractmethod
     def is_mover(self, body: int) -> bool:
-        """Return True if a body that the port does not control moves by forces: a link of a robot, a free body."""
+        """Return True if a body that the port does not control moves by forces, such as a link of a robot."""
 
     @abstractmethod
     def freeze(self, body: int) -> None:

@@ -1,7 +1,7 @@
 """Checks that the time passed to ``update`` is the time of the engine's steps: whole steps, and bodies in free flight.
 
-A body without contacts moves by its velocity times the length of the frame. If the body moves by the same other
-multiple in several frames in a row, ``dt`` is not the time of the engine's steps.
+A body without contacts moves by its velocity times the length of the frame. Otherwise ``dt`` is not the time of the
+engine's steps. The check reports a fault if the same other multiple occurs in several frames in a row.
 """
 
 from __future__ import annotations
@@ -16,13 +16,14 @@ from stability_core.ports.shared.body_motions import CENTER, VELOCITY, rows_of_i
 
 LEAST, MOST = 0.6, 1.5
 """Least and greatest plausible ratio of a body's path to its velocity times ``dt``. The ratio is 1 up to gravity and
-damping. A wrong number of steps gives at most 1/2 or at least 2."""
+damping. If ``dt`` covers one step and the frame has more steps, the ratio is at least 2. In the reverse case the ratio
+is at most 1/2."""
 FRAMES = 3
-"""Number of frames in a row after which the check reports a wrong time, because a host may move a body by hand."""
+"""Number of frames in a row after which the check reports a wrong time, because a host may set a body's pose."""
 SPEED = 0.2
-"""Least speed [m/s] of a body in free flight that the check uses, because slower bodies show large relative errors."""
+"""Speed [m/s] above which the check uses a body in free flight, because slower bodies show large relative errors."""
 ALIKE = 0.2
-"""Greatest relative difference of the ratios of consecutive frames."""
+"""Greatest relative difference of the ratios of consecutive frames that count as the same ratio."""
 
 
 _STEP = 0.02
@@ -33,7 +34,7 @@ def check_steps(dt: float, step_s: float, engine: str, setter: str) -> None:
     """Raise ``ValueError`` unless ``dt`` [s] is a whole number of steps of ``step_s`` [s].
 
     Args:
-        dt: time passed to ``update``; 0 for no frame.
+        dt: time passed to ``update``; 0 for no frame passes the check.
         step_s: time of one step of the engine.
         engine: name of the engine in the message.
         setter: call or attribute by which a user sets the step.
@@ -47,7 +48,7 @@ def check_steps(dt: float, step_s: float, engine: str, setter: str) -> None:
 
 
 class FreeFlight:
-    """The latest ratio of a body in free flight, and the number of frames in a row with that ratio."""
+    """Check of ``dt`` by the paths of bodies in free flight in consecutive frames."""
 
     def __init__(self) -> None:
         self._ratio, self._frames = 1.0, 0
@@ -55,7 +56,7 @@ class FreeFlight:
         self._fault: str | None = None
 
     def check(self) -> None:
-        """Raise ``ValueError`` if the noted frames contradict ``dt``."""
+        """Raise ``ValueError`` if the noted frames contradict ``dt``, once for each contradiction."""
         if self._fault:
             fault, self._fault = self._fault, None
             raise ValueError(fault)
@@ -69,15 +70,15 @@ class FreeFlight:
         rows: FloatArray,
         dt: float,
     ) -> None:
-        """Compare the paths of bodies in free flight with their velocities.
+        """Compare the path of a body in free flight with its velocity, and record a contradiction for ``check``.
 
-        A live body is in free flight if it has no contact in this frame and in the previous frame.
+        A live body is in free flight if it has no contact, neither in this frame nor in the previous frame.
 
         Args:
             live: the live bodies.
             touching: the bodies with contacts in this frame.
-            before: motions after the previous update.
-            ids: the live bodies and the obstacles, shape (n,).
+            before: motions after the previous update; None without a record.
+            ids: bodies with motions, among them the live bodies, shape (n,).
             rows: present motions of these bodies, see ``body_motions``, shape (n, 13).
             dt: time passed to ``update`` [s].
         """
@@ -94,11 +95,13 @@ class FreeFlight:
     def fault(
         self, bodies: IntArray, flying: BoolArray, way: FloatArray, before: FloatArray, now: FloatArray, dt: float
     ) -> str | None:
-        """Return a message if bodies in free flight contradict ``dt``.
+        """Return a message if bodies in free flight have contradicted ``dt`` in ``FRAMES`` frames in a row, else None.
+
+        In each frame the method uses the first body that flies faster than ``SPEED``.
 
         Args:
             bodies: ids, shape (n,).
-            flying: mask of the bodies without contacts in this and the previous frame, shape (n,).
+            flying: mask of the bodies without contacts, in this frame and in the previous frame, shape (n,).
             way: displacements since the previous update [m], shape (n, 3).
             before: velocities after the previous update [m/s], shape (n, 3).
             now: velocities [m/s], shape (n, 3).
@@ -118,7 +121,7 @@ class FreeFlight:
             return None
         self._frames = 0
         return (
-            f"body {bodies[row]} is in free flight and moved {ratio:.2g} times its velocity times dt = {dt:g} s, in "
-            f"{FRAMES} frames in a row: call update() after the engine's steps, and pass the time of all steps since "
-            "the previous update()"
+            f"body {bodies[row]} in free flight moved {ratio:.2g} times its velocity times dt = {dt:g} s, and the "
+            f"factor was about the same in {FRAMES} frames in a row: call update() after the engine's steps, and pass "
+            "the time of all steps since the previous update()"
         )

@@ -12,8 +12,8 @@ with + if body i is body b of contact c, and - if body i is body a.
 
 In a column the balance determines the friction of each pair of bodies. For a body on several supports the balance does
 not determine the friction. The minimum then shares friction in proportion to the loads. The module neglects torques
-about the normal, and forces that the host applies. The module starts conjugate gradients (CGLS) from zero, which
-leads to the least-squares solution of smallest norm.
+about the normal, and forces that the host applies. The module starts conjugate gradients for least squares (CGLS)
+from zero, because this start leads to the solution of smallest norm.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ def with_friction(
 
 
 def _rows_of(ids: IntArray, bodies: IntArray) -> IntArray:
-    """Return the row of each id in ``bodies``, or -1 for an id outside ``bodies``."""
+    """Return the row of each id (n,) in ``bodies`` (m,), or -1 for an id outside ``bodies``; ids rise, m >= 1."""
     place = np.minimum(np.searchsorted(bodies, ids), len(bodies) - 1)
     rows: IntArray = np.where(bodies[place] == ids, place, -1)
     return rows
@@ -65,7 +65,10 @@ def _rows_of(ids: IntArray, bodies: IntArray) -> IntArray:
 
 @numba.njit(cache=True)
 def _gather(row_a: int, row_b: int, vectors: FloatArray, normal: FloatArray, weight: float, out: FloatArray) -> None:
-    """Write the weighted tangential part of the difference of two bodies' vectors (b - a) into ``out`` (3,)."""
+    """Write the weighted tangential part of the difference of two bodies' vectors (b - a) into ``out`` (3,).
+
+    The vector of a body with a negative row counts as zero.
+    """
     for k in range(3):
         out[k] = 0.0
         if row_b >= 0:
@@ -79,7 +82,10 @@ def _gather(row_a: int, row_b: int, vectors: FloatArray, normal: FloatArray, wei
 
 @numba.njit(cache=True)
 def _scatter(row_a: int, row_b: int, vector: FloatArray, weight: float, sums: FloatArray) -> None:
-    """Add a contact's weighted ``vector`` (3,) to the sum of body b, and subtract it from the sum of body a."""
+    """Add a contact's weighted ``vector`` (3,) to the sum of body b, and subtract it from the sum of body a.
+
+    The function skips a body with a negative row.
+    """
     for k in range(3):
         if row_b >= 0:
             sums[row_b, k] += weight * vector[k]

@@ -25,7 +25,7 @@ def box_vertices(half: FloatArray) -> FloatArray:
 
 
 def cylinder_vertices(radius: float, height: float) -> FloatArray:
-    """Return the vertices (2 ``RIM``, 3) on both rims of an upright cylinder [m]."""
+    """Return vertices (2 ``RIM``, 3) [m] on both rims of a cylinder along z, centred on the origin."""
     angle = np.arange(RIM) * (2 * np.pi / RIM)
     circle = radius * np.column_stack([np.cos(angle), np.sin(angle)])
     return np.concatenate([np.column_stack([circle, np.full(RIM, z)]) for z in (-height / 2, height / 2)])
@@ -37,11 +37,12 @@ class Solid(NamedTuple):
     vertices: FloatArray
     """Vertices [m], shape (n, 3); n = 0 for a half space."""
     axis: FloatArray = NO_AXIS
-    """Axis of a cylinder, whose vertices are points of its rims, shape (3,); zero for a polyhedron."""
+    """Unit vector along the axis of a cylinder, shape (3,); zero for other bodies. The vertices of a cylinder are
+    points on its rims."""
 
 
 class ShapeTable:
-    """Vertices and poses of bodies. The table does not complete the contacts of a body without vertices."""
+    """Vertices and poses of bodies. The table does not complete the contacts of a body outside the table."""
 
     def __init__(self) -> None:
         self._solids: dict[int, Solid] = {}
@@ -57,12 +58,12 @@ class ShapeTable:
         return body in self._solids
 
     def add(self, body: int, solid: Solid) -> None:
-        """Add a convex body."""
+        """Add a convex body, or replace its shape."""
         self._solids[body] = solid
         self._is_current = False
 
     def remove(self, body: int) -> None:
-        """Delete the vertices of a body, if the table has this body."""
+        """Delete a body, if the table has this body."""
         if self._solids.pop(body, None) is not None:
             self._is_current = False
 
@@ -77,7 +78,8 @@ class ShapeTable:
     def completed(self, contacts: Contacts) -> Contacts:
         """Return the contacts, then the missing corners of their contact areas.
 
-        A corner has the velocity and the friction of the deepest contact of its pair, and no force.
+        A corner has the normal, the velocity and the friction of the deepest contact of its pair. If the contacts have
+        forces, the force of a corner is zero.
         """
         if not len(contacts) or not self._solids:
             return contacts
@@ -118,7 +120,7 @@ class ShapeTable:
 
 
 def _joined(contacts: Contacts, row: IntArray, corner: FloatArray, gap: FloatArray) -> Contacts:
-    """Append corners (k, 3) with gaps (k,), of the pairs of the contacts in ``row`` (k,), to the contacts."""
+    """Return the contacts, then corners (k, 3) with gaps (k,). Corner i belongs to the pair of contact ``row[i]``."""
     more = replace(
         contacts.chosen(row),
         point=corner,
@@ -131,7 +133,7 @@ def _joined(contacts: Contacts, row: IntArray, corner: FloatArray, gap: FloatArr
 
 
 def compile_kernels() -> None:
-    """Compile the kernels of this module, or load the kernels from the cache, so that no frame waits."""
+    """Compile the kernels of ``ShapeTable.completed``, or load the kernels from the cache, so that no frame waits."""
     table, ids, up = ShapeTable(), np.arange(1, 2), np.array([[0.0, 0.0, 1.0]])
     for body in range(2):
         table.add(body, Solid(box_vertices(np.ones(3))))

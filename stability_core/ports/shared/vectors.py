@@ -25,7 +25,7 @@ def cross(a: FloatArray, b: FloatArray) -> FloatArray:
 
 
 def rotate(quaternions: FloatArray, vectors: FloatArray) -> FloatArray:
-    """Rotate vectors (n, 3) from the bodies' frames to the world's frame, by quaternions (w, x, y, z), shape (n, 4)."""
+    """Rotate vectors (n, 3) from the bodies' frames to the world's frame, by unit quaternions (w, x, y, z) (n, 4)."""
     scalar, axis = quaternions[:, :1], quaternions[:, 1:]
     twice = 2 * cross(axis, vectors)
     return vectors + scalar * twice + cross(axis, twice)

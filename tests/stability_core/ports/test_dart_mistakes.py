@@ -158,7 +158,9 @@ def test_a_pose_that_is_not_finite() -> None:
     body = add(world, (0.0, 0.0, 1.0))
     with attach(world) as extension:
         body.setVelocities([0.0, 0.0, 0.0, np.nan, 0.0, 0.0])
-        with pytest.raises(ValueError, match=r"not finite, because the simulation has diverged: use a smaller step"):
+        with pytest.raises(
+            ValueError, match=r"not finite, because the simulation has diverged or .*: use a smaller step"
+        ):
             extension.update(STEP_S)
 
 

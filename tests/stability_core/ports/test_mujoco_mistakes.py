@@ -46,7 +46,7 @@ def test_preparing_twice() -> None:
 
 
 def test_preparing_an_unknown_body() -> None:
-    with pytest.raises(ValueError, match=r"no body 'cop': pass names of bodies with a free joint: 'cup'"):
+    with pytest.raises(ValueError, match=r"no body 'cop': pass names of bodies that can freeze: 'cup'"):
         prepare(spec_of(world()), ["cop"])
 
 
@@ -103,7 +103,7 @@ def test_a_velocity_that_is_not_finite(data: Any) -> None:
     with attach(data) as extension:
         mujoco.mj_step(data.model, data)
         data.qvel[-1] = float("nan")
-        with pytest.raises(ValueError, match=r"diverged: use a smaller timestep"):
+        with pytest.raises(ValueError, match=r"diverged or .*: use a smaller timestep"):
             extension.update(0.002)
 
 

@@ -148,7 +148,7 @@ def test_a_pose_that_is_not_finite(client: int) -> None:
     with attach(client) as extension:
         pybullet.resetBaseVelocity(body, (float("nan"), 0, 0), physicsClientId=client)
         pybullet.stepSimulation(client)
-        with pytest.raises(ValueError, match=f"body {body} .*diverged: use a smaller step"):
+        with pytest.raises(ValueError, match=f"body {body} .*diverged or .*: use a smaller step"):
             extension.update(STEP_S)
 
 

@@ -154,7 +154,7 @@ def test_an_update_inside_a_step() -> None:
         for _ in range(30):
             space.step(STEP_S)
         assert errors
-        assert "inside space.step(), in a callback of a collision: call it after space.step()" in errors[0]
+        assert "inside space.step(), in a callback: call it after space.step()" in errors[0]
 
 
 def test_a_pose_that_is_not_finite() -> None:
@@ -164,7 +164,9 @@ def test_a_pose_that_is_not_finite() -> None:
         space.step(STEP_S)
         body.velocity_func = lambda body, *_: setattr(body, "angular_velocity", math.inf)
         space.step(STEP_S)
-        with pytest.raises(ValueError, match=r"not finite, because the simulation has diverged: use a smaller step"):
+        with pytest.raises(
+            ValueError, match=r"not finite, because the simulation has diverged or .*: use a smaller step"
+        ):
             extension.update(STEP_S)
 
 
@@ -180,7 +182,7 @@ def test_use_after_close() -> None:
 
 def test_an_unknown_body() -> None:
     with attach(open_space()) as extension:
-        with pytest.raises(KeyError, match=r"not in this pymunk space: pass a pymunk.Body that space.add"):
+        with pytest.raises(KeyError, match=r"no id in this pymunk space: pass a pymunk.Body that space.add"):
             extension.why(add(open_space()))
         with pytest.raises(KeyError, match=r"no body of this pymunk space has the id 7"):
             extension.body_of(7)

@@ -71,7 +71,7 @@ def test_the_system_of_a_scene_is_the_same_world(scene) -> None:
 
 
 def test_a_body_that_does_not_exist(scene) -> None:
-    with pytest.raises(ValueError, match=r"no body 99: pass entity.per_scene_id of bodies in the world"):
+    with pytest.raises(ValueError, match=r"no body 99: pass entity.per_scene_id of a body in the world"):
         attach(scene, bodies=[99])
 
 
@@ -143,7 +143,7 @@ def test_a_pose_that_is_not_finite(scene) -> None:
     entity = add(scene, (0.0, 0.0, 1.0))
     with attach(scene) as extension:
         entity.pose = sapien.Pose([np.nan, 0.0, 0.0])
-        with pytest.raises(ValueError, match=f"body {entity.per_scene_id} .*diverged: use a smaller step"):
+        with pytest.raises(ValueError, match=f"body {entity.per_scene_id} .*diverged or .*: use a smaller step"):
             extension.update(STEP_S)
 
 
