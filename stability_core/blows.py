@@ -3,8 +3,9 @@
 A striker loses its momentum within one step, because a frozen body has infinite mass. After this step, unfreezing the
 struck body is too late. Therefore a contact whose gap will close within ``AHEAD`` frames counts as a blow before the
 bodies touch. A blow faster than the limit of ``contact_filter.is_impact`` always unfreezes the struck body. The module
-judges a weaker blow by the slide that the blow would cause, if the blow is sideways. A striker of mass M strikes a body
-of mass m at the horizontal speed v. After a plastic impact, the body has the speed v' and slides to rest:
+judges a weaker blow by the slide that the blow would cause, if the blow is sideways, and faster than ``rest_slip``. A
+striker of mass M strikes a body of mass m at the horizontal speed v. After a plastic impact, the body has the speed v'
+and slides to rest:
 
 v' = v M / (M + m),    slide = v'^2 / (2 mu g)
 
@@ -26,11 +27,11 @@ from stability_core.settings import Limits
 from stability_core.stack import FROZEN, LIVE, MOVING, Bodies
 
 AHEAD = 1.5
-"""Time [frames] within which the gap of a contact must close so that the contact counts as a blow: one frame, and half
-a frame more because bodies accelerate."""
+"""Time [frames] within which the gap of a contact must close so that the contact counts as a blow. The time is one
+frame, and half a frame more because bodies accelerate."""
 SIDEWAYS = 0.3
-"""Greatest absolute vertical component of a unit normal at which a blow counts as sideways, because the supports of the
-struck body take a steeper blow."""
+"""Greatest absolute vertical component of a unit normal for a sideways blow, because the supports of the struck body
+take a steeper blow."""
 
 
 class Blow(NamedTuple):

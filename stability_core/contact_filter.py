@@ -178,8 +178,8 @@ def keep_contacts(bodies: Bodies, contacts: ContactArrays, limits: Limits, dt: f
         bodies: the table, after ``motion.track`` of this frame.
         contacts: n contacts between rows of the table.
         limits: the settings. The filter drops impacts (see ``is_impact``) and gaps wider than ``contact_gap``. The
-            filter measures these gaps from the deepest point of the pair, because a tilted plank may stand only on one
-            edge, deep in the ground. The filter also drops a contact that is not load-bearing if its separation exceeds
+            filter measures these gaps from the deepest point of the pair, because a tilted plank may stand on one edge,
+            deep in the ground. The filter also drops a contact that is not load-bearing if its separation exceeds
             ``touch_gap``, because friction needs pressure.
         dt: time since the last frame [s].
         kept: output, with room for at least n rows of ``CONTACT``.

@@ -66,7 +66,7 @@ class StabilityExtension:
             port: the core's view of the engine.
             policy: a name of ``POLICIES``, or a policy of your own.
             gravity: gravity [m/s2], in any direction. Assign ``StabilityExtension.gravity`` when gravity changes.
-            settings: the tolerances; None for the defaults.
+            settings: the tolerances, or None for the defaults.
 
         Raises:
             UnknownNameError: if ``policy`` is an unknown name.
@@ -206,8 +206,9 @@ class StabilityExtension:
     def update(self, dt: float) -> Change:
         """Read the world after a step of ``dt`` seconds, and freeze and unfreeze bodies.
 
-        The cost depends on the live bodies and the changes, not on the number of frozen bodies. While the port lists no
-        body and no contact, and the host makes no change, the core only reads the port. If the input is malformed, no
+        In a frame without changes, the cost depends only on the bodies and contacts that the port lists, not on the
+        number of frozen bodies. While the port lists no body and no contact, and the host makes no change, the core
+        only reads the port. If the input is malformed, no
         body freezes or unfreezes. If the port's ``sleep`` or ``wake`` raises, the port may have carried out a part of
         the batch. The next update unfreezes the bodies of this batch, and bodies that the update wanted to freeze must
         come to rest again.
@@ -239,7 +240,7 @@ class StabilityExtension:
         judge statics (``at_rest``, ``pile``) adopt nothing.
 
         Args:
-            bodies: the bodies to judge, of which frozen bodies do not count; None for all live bodies.
+            bodies: the bodies to judge, of which only live bodies count, or None for all live bodies.
 
         Raises:
             KeyError: for a body that the port has never listed, or has removed.

@@ -181,8 +181,8 @@ def _is_asked(elapsed: float, dwell: float, again: float, dt: float, rarely: boo
 def _patience(body: Bodies, limits: Limits) -> float:
     """Return the additional rest time [s] of a body.
 
-    The time is zero before the second unfreezing, then ``calm_s``. The time doubles at each further unfreezing, up to
-    ``longest_calm_s``, because a body that unfreezes repeatedly in its place usually lies in a pile that still moves.
+    The time is zero before the second unfreezing, then ``calm_s``. Each further unfreezing doubles the time, up to
+    ``longest_calm_s``, because a body that unfreezes repeatedly usually lies in a pile that still moves.
     """
     if body.wakes < 2:
         return 0.0

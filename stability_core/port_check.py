@@ -52,7 +52,7 @@ def check_port(port: StabilityPort, step: Step, frames: int = 120) -> list[str]:
     Args:
         port: the port, without an extension.
         step: function that advances the simulation by one frame.
-        frames: number of frames within which a body comes to rest.
+        frames: number of frames, at least 1, within which a body comes to rest.
 
     Returns:
         Lines of text with the findings.

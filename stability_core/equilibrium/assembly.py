@@ -118,7 +118,7 @@ def _rolling(graph: Graph, patches: IntArray, index: IntArray, n: int, radius: f
     Args:
         graph: the stack.
         patches: rows of the patches that touch the bodies, shape (p,).
-        index: index of each body in the problem; negative for a body outside the problem.
+        index: index of each body in the problem, negative for a body outside the problem.
         n: number of bodies.
         radius: width [sizes] up to which a patch is a point or a line.
     """

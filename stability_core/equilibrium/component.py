@@ -12,9 +12,10 @@ from stability_core.stack import FROZEN, NONE, SUPPORT, Graph
 
 @compiled
 def component(graph: Graph, seeds: IntArray, members: IntArray) -> IntArray:
-    """Return the ``seeds``, and the frozen bodies and ``members`` that patches join to the seeds, shape (k,): O(k).
+    """Return the ``seeds``, and the frozen bodies and ``members`` that patches join to the seeds, shape (k,).
 
-    The patches join the bodies directly, or through other bodies of the result.
+    The patches join the bodies directly, or through other bodies of the result. The cost is O(k), besides two arrays
+    with an entry for each row of the table.
 
     Args:
         graph: the stack.
@@ -62,12 +63,13 @@ def _reach(body: int, reached: BoolArray, found: IntArray, size: int) -> int:
 
 @compiled
 def bearing(graph: Graph, memory: Memory, seeds: IntArray, members: IntArray, gravity: float) -> IntArray:
-    """Return the bodies for which a change of the ``seeds`` requires new contact forces: O(result).
+    """Return the bodies for which a change of the ``seeds`` requires new contact forces, shape (k,).
 
     The result contains the seeds and all bodies that bear the seeds, down to the ground. The result also contains each
     body beside or above these bodies that is a member, or whose kept forces do not balance. All other kept forces may
     stay. If new forces
-    balance the bodies of the result under the kept forces on their border, the whole stack is in balance.
+    balance the bodies of the result under the kept forces on their border, the whole stack is in balance. The cost is
+    O(k), besides arrays with an entry for each row of the table.
 
     Args:
         graph: the stack.

@@ -2,8 +2,8 @@
 
 Live bodies enter the statics problem of the stack as loads. The module solves all live bodies on a part of the stack
 together: bodies that stand, and bodies that fall. The stack below counts as rigid, like the ground. The loads are the
-contact forces that hold the live bodies. If no forces hold a body, the nearest forces are its load: a toppling brick
-presses, with at most its weight, at the point about which the brick turns.
+contact forces that hold the live bodies. If no forces hold a body, the nearest forces are its load. For example, a
+toppling brick presses, with at most its weight, at the point about which the brick turns.
 """
 
 from __future__ import annotations

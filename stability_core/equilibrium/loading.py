@@ -31,7 +31,7 @@ Limits: the method examines one loading path (all loads in proportion) and three
 that only prestress holds (a hammered wedge).
 
 References: J. S. Pang, J. Trinkle, "Stability characterizations of rigid body contact problems with Coulomb friction",
-ZAMM 80 (2000) 643-663, for the notion; G. T.-C. Kao et al., "Coupled rigid-block analysis", Computer-Aided Design 146
+ZAMM 80 (2000) 643-663, for the notion. G. T.-C. Kao et al., "Coupled rigid-block analysis", Computer-Aided Design 146
 (2022) 103216, for self-stress that statics alone accepts.
 """
 

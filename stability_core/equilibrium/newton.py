@@ -17,7 +17,7 @@ solves degenerate problems.
   (Farkas): r . w > 0, while A^T r lies in the polar of K. With velocities -r gravity does work, and no contact resists.
 
 Before the limit, A^T r lies nearly in the polar. The same method, with w = 0 and y' = r, then finds the nearest
-motion for which A^T r lies in the polar, except for rounding.
+motion with A^T r in the polar, except for rounding.
 """
 
 from __future__ import annotations

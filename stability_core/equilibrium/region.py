@@ -263,7 +263,7 @@ def topples_alone(graph: Graph, body: int, support: FloatArray) -> bool:
 
     On a horizontal face, friction cannot hold a body that topples alone. The result is False if the contact area is a
     point or a line. The result is also False if the body carries another body, leans, or stands on a body at rest
-    (``is_resting``), because live bodies in these cases may freeze together and hold each other.
+    (``is_resting``). In these cases live bodies may freeze together and hold each other.
 
     Args:
         graph: the stack.

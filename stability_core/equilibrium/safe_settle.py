@@ -172,8 +172,8 @@ def settle_safely(
 ) -> tuple[int, int, int]:
     """Settle the frame by cheap proofs, but leave ``finish`` to the caller if a candidate stays undecided.
 
-    The cost is O(1) per body on the worklist, independent of the number of frozen bodies. ADR-0002 gives the reason for
-    the separate array arguments.
+    If no candidate stays undecided, the cost is O(1) per body on the worklist and per changed body. ADR-0002 gives the
+    reason for the separate array arguments.
 
     Returns:
         Numbers of bodies written to the rows of ``found``, shape (3, bodies):

@@ -87,9 +87,12 @@ def solve_equilibrium(contacts: Contacts, masses: Masses, gravity: Sequence[floa
         gravity: gravity vector [m/s2], in any direction.
 
     Raises:
-        ValueError: for malformed contacts or masses, for an infinite mass, for an unknown or repeated body, for normals
-            at the ground that all point from b to a, or for gravity that is zero or not finite. The message names
-            the fault and the fix.
+        ValueError: in one of these cases:
+
+            - the contacts or masses are malformed, or a mass is infinite;
+            - a contact names a body that ``masses`` does not list, or ``masses`` lists a body twice;
+            - the normals of all contacts with the ground point from b to a;
+            - gravity is zero, or not a finite vector.
     """
     index_a, index_b = _checked(contacts, masses)
     down = np.asarray(gravity, np.float64)

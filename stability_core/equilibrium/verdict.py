@@ -48,8 +48,8 @@ LESS_FRICTION = 0.9
 with this friction. Reason: with the true friction mu = 0.8, loading held two kinds of courses of touching bricks, which
 fell in two of three engines."""
 FEW = 0.25
-"""Greatest fraction of the bodies in a test for a fall with neighbours, because a larger test would cost as much as the
-steps of the correction."""
+"""Greatest fraction of the bodies in a test for a fall with neighbours. A larger test would cost as much as the steps
+of the correction."""
 MOVES = 1e-2
 """Ratio of a body's unbalanced force to the largest unbalanced force, up to which the body takes no part in a
 mechanism."""
@@ -88,8 +88,8 @@ def decide(
         problem: n bodies and m contacts, z up.
         level: mask of the load-bearing contacts, shape (m,).
         start: forces that nearly hold the bodies [N], shape (m, 3), or None.
-        changed: mask of the bodies that are new, have moved, or have lost a neighbour since the last proof, shape (n,),
-            or None for all bodies.
+        changed: mask (n,) of the bodies that are new, moved or lost a neighbour since the last proof, or None for all
+            bodies.
         displacement: start of loading, shape (3, n, 6), or None for zero. Loading overwrites the start (see
             ``loading.needs_prestress``).
 

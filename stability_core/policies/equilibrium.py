@@ -60,8 +60,8 @@ TOGETHER = 12
 """Greatest number of candidates in a joint solve within a budget. In a pile few bodies hold each other, and a solve of
 fifty bodies that lean on each other takes 0.5 s."""
 DEAR = 16
-"""Number of bodies above which a solve is expensive. If an expensive solve leaves bodies in doubt, the policy judges
-these bodies again only after ``doubt_s``, even if their surroundings change earlier."""
+"""Number of bodies above which a solve is expensive. If an expensive solve leaves bodies in doubt, ``update``
+judges these bodies again only after ``doubt_s``, even if their surroundings change earlier."""
 FEW_TOGETHER = 16
 """Greatest number of bodies in a joint solve of live bodies with the stack below them, to bound the cost of a frame.
 The limit is ``FEW_BODIES`` if all contacts of the live bodies are load-bearing, because their solve is cheap, or if
@@ -282,8 +282,8 @@ class Equilibrium(Policy):
 
         - A stack that stands with a live load gets no proof, because the stack may fall without the load.
         - A body in doubt unfreezes at any change around the body.
-        - The method judges each part of the stack separately, because an uncertain live load on one part must not
-          hide the fall of another part.
+        - The method judges each part of the stack separately, so that an uncertain live load does not hide the fall of
+          another part.
         """
         in_doubt = graph.bodies["doubt"][unproven] != PROVEN
         falls: IntArray = unproven[in_doubt]

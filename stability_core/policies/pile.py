@@ -57,7 +57,7 @@ def _beside_movers(graph: Graph, buffers: FrameBuffers, candidates: IntArray, li
 
 @compiled
 def _pile_with(graph: Graph, root: int) -> IntArray:
-    """Return ``root`` and all frozen bodies that contacts join to ``root``, directly or indirectly: O(pile)."""
+    """Return ``root`` and all frozen bodies that contacts join to ``root``, directly or indirectly, shape (k,)."""
     reached = np.zeros(len(graph.bodies), np.bool_)
     pile = np.empty(len(graph.bodies), np.int64)
     pile[0], size, done = root, 1, 0

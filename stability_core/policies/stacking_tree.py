@@ -51,10 +51,10 @@ def lever_shares(center: FloatArray, contacts: FloatArray) -> FloatArray:
     """Return the shares (k,) of a load at ``center`` (3,) on supports with contact centres ``contacts`` (k, 3).
 
     One support bears the whole load, and two supports bear the load by their levers. For more supports, the shares s
-    are the least-squares solution of the lever equations L s = 0 and of 1^T s = 1, with the vector 1 of ones. The
-    normal equations are (L^T L + 1 1^T) s = 1, besides the ridge ``RIDGE``. Gaussian elimination needs no pivoting,
-    because the matrix is positive definite. The shares are not negative, because the off-diagonal entries of L^T L are
-    not positive.
+    are the least-squares solution of the lever equations L s = 0 and of the sum 1^T s = 1. Here 1 is the vector of
+    ones. The normal equations are (L^T L + 1 1^T) s = 1, besides the ridge ``RIDGE``. Gaussian elimination needs no
+    pivoting, because the matrix is positive definite. The shares are not negative, because the off-diagonal entries of
+    L^T L are not positive.
     """
     k = len(contacts)
     if k < 2:
@@ -115,7 +115,7 @@ def _add_shares(graph: Graph, upper: int, borne: FloatArray) -> None:
 
 @compiled
 def _downward(graph: Graph, changed: IntArray) -> IntArray:
-    """Return the ``changed`` bodies and all lower bodies, each body before its supports, shape (k,): O(k).
+    """Return the ``changed`` bodies and all lower bodies, each body before its supports, shape (k,).
 
     The order is the reverse postorder of a depth-first search from each changed body.
     """
@@ -147,7 +147,7 @@ def carry_down_by_levers(graph: Graph, changed: IntArray) -> IntArray:
     """Carry mass and centre down from the ``changed`` bodies, and return all affected bodies, shape (k,).
 
     A body takes the shares of all bodies on it, including unchanged bodies. The cost is O(k) for the k affected bodies
-    and the loads on them.
+    and the loads on them, besides arrays with an entry for each row of the table.
     """
     bodies, patches = graph.bodies, graph.patches
     affected = _downward(graph, changed)
