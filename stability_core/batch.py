@@ -78,8 +78,8 @@ class Batch:
     def wake_struck(self, struck: IntArray) -> None:
         """Unfreeze the ``struck`` bodies, shape (k,), and the bodies on them.
 
-        If the slide of a blow exceeds the size of the struck body, the neighbours within ``DRAGGED_ALONG`` contacts, and
-        the bodies on these neighbours, unfreeze too.
+        If the slide of a blow exceeds the size of the struck body, the bodies within ``DRAGGED_ALONG`` contacts, and
+        the bodies on them, unfreeze too.
         """
         graph = self._world.graph
         rows = graph.bodies[struck]

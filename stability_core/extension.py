@@ -103,7 +103,7 @@ class StabilityExtension:
 
     @property
     def frozen(self) -> IntArray:
-        """Ids of all frozen bodies, shape (n,)."""
+        """Ids of all frozen bodies in rising order, shape (n,)."""
         table = self._world.graph.bodies
         ids: IntArray = np.sort(table["id"][table["state"] == FROZEN])
         return ids
@@ -208,10 +208,9 @@ class StabilityExtension:
 
         In a frame without changes, the cost depends only on the bodies and contacts that the port lists, not on the
         number of frozen bodies. While the port lists no body and no contact, and the host makes no change, the core
-        only reads the port. If the input is malformed, no
-        body freezes or unfreezes. If the port's ``sleep`` or ``wake`` raises, the port may have carried out a part of
-        the batch. The next update unfreezes the bodies of this batch, and bodies that the update wanted to freeze must
-        come to rest again.
+        only reads the port. If the input is malformed, no body freezes or unfreezes. If the port's ``sleep`` or
+        ``wake`` raises, the port may have carried out a part of the call, and the next update repeats the unfreezing.
+        If ``sleep`` raises, the bodies of this call count as live, and must come to rest again.
 
         Raises:
             ValueError: if dt is not positive and finite, or the port returns malformed contacts or masses.

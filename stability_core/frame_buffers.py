@@ -25,10 +25,10 @@ STRUCK, AT_REST, LEANING, LYING, GONE, MOVED, PUSHED = range(7)
 """Rows of ``FrameBuffers.worklist``:
 
 - STRUCK: frozen bodies that must unfreeze because of blows;
-- AT_REST: live bodies to which the flat test applies now;
-- LEANING: live bodies to which the leaning test applies now;
+- AT_REST: live bodies at rest, which the policy must judge now;
+- LEANING: live bodies at rest by the rule for leaning, which the policy must judge now;
 - LYING: live bodies on a support, with missing or outdated patches;
-- GONE: live bodies with patches that no longer lie on a support;
+- GONE: live bodies that have patches, but no longer lie on a support;
 - MOVED: kinematic bodies that began to move, bodies that stopped being kinematic, and frozen bodies that a kinematic
   body moves;
 - PUSHED: frozen bodies on which a push has changed or has lasted ``still_s``.

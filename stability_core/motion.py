@@ -250,7 +250,7 @@ def list_shifted_loads(
         ids: the listed bodies, shape (m,), of which only live bodies count.
         limits: the settings.
         lying: output, bodies on a support with missing or outdated patches, with room for at least m bodies.
-        gone: output, bodies with patches that no longer lie on a support, with room for at least m bodies.
+        gone: output, bodies that have patches, but no longer lie on a support, with room for at least m bodies.
     """
     n, m = 0, 0
     for i in range(len(ids)):

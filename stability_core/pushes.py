@@ -1,4 +1,4 @@
-"""Pushes: contact forces of live bodies on frozen bodies, beyond the weight of the live bodies.
+"""Pushes: contact forces of live and MOVING bodies on frozen bodies, beyond the weight of the live bodies.
 
 A body on a stack presses with its weight, which statics knows. A motor, a robot or a user presses on a stack with a
 force that only the engine knows. If the engine reports contact forces, two kinds of forces count as pushes:

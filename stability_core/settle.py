@@ -51,9 +51,8 @@ def lay_due(graph: Graph, buffers: FrameBuffers, limits: Limits) -> None:
 def lay_frozen(graph: Graph, buffers: FrameBuffers, limits: Limits) -> None:
     """Rebuild the patches of newly frozen bodies, and remove the patches of live bodies after a failed leaning test.
 
-    A newly frozen body that touches only the stack keeps its patches. After a failed
-    leaning test, a live body keeps its patches only if it has lain on a support for ``load_s``. Otherwise the body may
-    only pass by, and is no load.
+    A newly frozen body that touches only the stack keeps its patches. After a failed leaning test, a live body keeps
+    its patches only if it has lain on a support for ``load_s``. Otherwise the body may only pass by, and is no load.
     """
     limit = limits[0]
     for rule, dwell in ((AT_REST, limit.rest_s), (LEANING, limit.lean_s)):

@@ -44,10 +44,10 @@ class World:
         """Id of the body in each row, shape (rows,): a view of the table."""
 
     def rows_of(self, bodies: Iterable[int]) -> IntArray:
-        """Return the rows of bodies that an update has seen, shape (k,).
+        """Return the rows of bodies that the port has listed and not removed, shape (k,).
 
         Raises:
-            KeyError: for unknown bodies. The message names these bodies.
+            KeyError: for other bodies. The message names these bodies.
         """
         wanted = np.array([operator.index(body) for body in bodies], np.int64)
         rows = self._find(wanted)

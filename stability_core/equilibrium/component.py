@@ -66,10 +66,9 @@ def bearing(graph: Graph, memory: Memory, seeds: IntArray, members: IntArray, gr
     """Return the bodies for which a change of the ``seeds`` requires new contact forces, shape (k,).
 
     The result contains the seeds and all bodies that bear the seeds, down to the ground. The result also contains each
-    body beside or above these bodies that is a member, or whose kept forces do not balance. All other kept forces may
-    stay. If new forces
-    balance the bodies of the result under the kept forces on their border, the whole stack is in balance. The cost is
-    O(k), besides arrays with an entry for each row of the table.
+    member beside or above these bodies, and each frozen body there whose kept forces do not balance. All other kept
+    forces may stay. If new forces balance the bodies of the result under the kept forces on their border, the whole
+    stack is in balance. The cost is O(k), besides arrays with an entry for each row of the table.
 
     Args:
         graph: the stack.

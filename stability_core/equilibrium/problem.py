@@ -113,8 +113,8 @@ def weakest_equilibrium(problem: Problem, ray: FloatArray, work: FloatArray, for
     """Return a lower bound on the greatest force of any equilibrium, over the total weight, or infinity.
 
     ``ray`` is a motion r (n, 6). If the loads do no positive work along r, the bound is zero. Otherwise, if no contact
-    resists r, the bound is infinite, because the motion proves the fall.
-    Any forces f in the cones with A f = w, and any r, satisfy
+    resists r, the bound is infinite, because the motion proves the fall. Any forces f in the cones with A f = w, and
+    any r, satisfy
 
         r . w = sum f_c . (A^T r)_c <= max |f_c| sum |P_K (A^T r)_c|
 

@@ -98,8 +98,8 @@ def decide(
 
         - the verdict;
         - the forces that hold the bodies, or nearly hold "unstable" bodies, shape (m, 3), or None without forces;
-        - the motion of "unstable" bodies, a mask of the bodies that loading does not hold, or else the unbalanced rest,
-          shape (n, 6) (see ``takes_part``);
+        - the motion of "unstable" bodies, a mask of bodies that loading does not hold, or else the unbalanced rest,
+          shape (n, 6);
         - the greatest imbalance of a body relative to the largest force on it.
     """
     if start is None:
