@@ -50,7 +50,7 @@ def _why_not_at_rest(row: Any, settings: Settings, gravity: float, dt: float) ->
     if max(row["rest_s"] - settings.rest_s, row["still_s"] - settings.still_s) >= -ROUNDING_S:
         return ""
     if not np.isfinite(row["speed"]):
-        return "" if row["refusal"] else "listed for the first time: the speed of the body is not known yet"
+        return "" if row["refusal"] else "listed for the first time as a live body: its speed is not known yet"
     size, fall_speed = row["size"], np.sqrt(gravity * row["size"])
     in_place = f"; has kept its place for {row['still_s']:.2f} s of {settings.still_s:g} s"
     if row["speed"] > settings.rest_speed * fall_speed:

@@ -608,7 +608,7 @@ def test_each_reason_for_which_a_body_stays_live_is_reported(port):
     extension.update(DT)
     assert extension.why(7).startswith("touches nothing: the port lists no contact of this body")
     assert extension.why(1).startswith("touches neither the ground nor a frozen body")
-    assert extension.why(0) == "listed for the first time: the speed of the body is not known yet"
+    assert extension.why(0) == "listed for the first time as a live body: its speed is not known yet"
     extension.update(DT)
     assert extension.why(0) == "at rest for 0.02 s of 0.1 s"
     port.center[0] = (0.0, 0.0, 0.006)
