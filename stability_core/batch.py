@@ -15,16 +15,16 @@ from stability_core.world import World
 
 
 class Change(NamedTuple):
-    """The changes of one update."""
+    """The bodies that one call of ``update``, ``adopt`` or ``wake`` froze and unfroze."""
 
     frozen: tuple[int, ...]
-    """Bodies frozen in this frame, by rising id."""
+    """Ids of the frozen bodies, in rising order."""
     woken: tuple[int, ...]
-    """Bodies unfrozen in this frame, by rising id."""
+    """Ids of the unfrozen bodies, in rising order."""
     reasons: Mapping[int, str]
     """Reason of each freezing or unfreezing, by the body's id."""
     deferred: tuple[int, ...] = ()
-    """Bodies at rest beyond this frame's budget, by rising id. The next frame judges these bodies."""
+    """Ids of the candidates beyond this frame's budget, in rising order. The next frame lists these bodies again."""
 
 
 UNCHANGED = Change((), (), {})
@@ -34,7 +34,7 @@ friction drags the body's neighbours along."""
 
 
 def unfreeze(world: World, row: int) -> None:
-    """Make a frozen body live. The body still loads its supports until it moves."""
+    """Make a frozen body live. The body keeps its patches, and counts as a load of its supports."""
     body = world.graph.bodies[row]
     body["state"], body["unsettled"], body["leans"], body["doubt"] = LIVE, True, False, PROVEN
     body["rest_s"] = body["still_s"] = body["lean_s"] = body["steady_s"] = 0.0
@@ -63,7 +63,7 @@ class Batch:
             unfreeze(self._world, row)
 
     def wake_above(self, roots: IntArray, reason: str) -> None:
-        """Unfreeze the ``roots``, shape (k,), and the bodies on them.
+        """Unfreeze the frozen bodies of ``stack.with_all_above`` for the ``roots``, shape (k,).
 
         If this batch also freezes one of these bodies, ``hand_over`` sends neither sleep nor wake for this body.
         """
@@ -78,8 +78,8 @@ class Batch:
     def wake_struck(self, struck: IntArray) -> None:
         """Unfreeze the ``struck`` bodies, shape (k,), and the bodies on them.
 
-        If the slide of a blow exceeds the size of the struck body, the frozen bodies within ``DRAGGED_ALONG`` contacts
-        of this body unfreeze too.
+        If the slide of a blow exceeds the size of the struck body, the bodies within ``DRAGGED_ALONG`` contacts, and
+        the bodies on them, unfreeze too.
         """
         graph = self._world.graph
         rows = graph.bodies[struck]
@@ -88,9 +88,9 @@ class Batch:
         self.wake_above(struck, "struck")
 
     def leave_moved(self, moved: IntArray) -> None:
-        """Unfreeze the ``moved`` bodies, shape (k,), and the bodies on them.
+        """Unfreeze the frozen bodies among ``moved``, shape (k,), and the frozen bodies on the moved bodies.
 
-        If a moved body is kinematic, the method also drops the body's patches on its supports.
+        The method also drops the patches of each MOVING body on its supports.
         """
         self.wake_above(moved, "moved by the host")
         graph = self._world.graph
@@ -106,7 +106,8 @@ class Batch:
         - if ``sleep`` raises, the states of all bodies of the batch;
         - if ``wake`` raises, the states of the bodies in ``woken``: frozen.
 
-        The bodies in ``woken`` stay there, so that the next update tries again.
+        The bodies in ``woken`` stay there, so that the next update can unfreeze them. The method raises the port's
+        exception again.
         """
         later = tuple(np.sort(self._world.ids[self.deferred]).tolist()) if len(self.deferred) else ()
         if not self.frozen and not self.woken:

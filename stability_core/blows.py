@@ -1,14 +1,16 @@
-"""Find the frozen bodies that a live or kinematic body strikes, or is about to strike, hard enough to move them.
+"""Find the frozen bodies that a live or MOVING body strikes, or is about to strike, hard enough to move them.
 
 A striker loses its momentum within one step, because a frozen body has infinite mass. After this step, unfreezing the
 struck body is too late. Therefore a contact whose gap will close within ``AHEAD`` frames counts as a blow before the
-bodies touch. The module judges a sideways blow by the slide that the blow would cause. A striker of mass M strikes a
-body of mass m at the horizontal speed v. After a plastic impact, the body has the speed v' and slides to rest:
+bodies touch. A blow faster than the limit of ``contact_filter.is_impact`` always unfreezes the struck body. The module
+judges a weaker blow by the slide that the blow would cause, if the blow is sideways, and faster than ``rest_slip``. A
+striker of mass M strikes a body of mass m at the horizontal speed v. After a plastic impact, the body has the speed v'
+and slides to rest:
 
 v' = v M / (M + m),    slide = v'^2 / (2 mu g)
 
 Here mu is the coefficient of friction, and g is the gravitational acceleration. A kinematic striker has infinite mass.
-The slides of one body add up, so that many weak blows unfreeze the body as well.
+The longest slides of a body in each frame add up, so that many weak blows unfreeze the body as well.
 """
 
 from __future__ import annotations
@@ -25,10 +27,10 @@ from stability_core.settings import Limits
 from stability_core.stack import FROZEN, LIVE, MOVING, Bodies
 
 AHEAD = 1.5
-"""Time [frames] within which the gap of a contact must close so that the contact counts as a blow: one frame, and half
-a frame more because bodies accelerate."""
+"""Time [frames] within which the gap of a contact must close so that the contact counts as a blow. The time is one
+frame, and half a frame more because bodies accelerate."""
 SIDEWAYS = 0.3
-"""Vertical component of a unit normal up to which a blow counts as sideways, because the supports of the struck body
+"""Greatest absolute vertical component of a unit normal for a sideways blow, because the supports of the struck body
 take a steeper blow."""
 
 
@@ -54,7 +56,7 @@ def _speed_after(striker: Bodies, target: Bodies, blow: Blow) -> float:
 
 @compiled
 def _note_blow(bodies: Bodies, striker: int, target: int, blow: Blow, limits: Limits, dt: float) -> bool:
-    """Record the effect of a blow on a frozen body, and return True for its first effective blow in this frame."""
+    """Record a blow on a frozen body, and return True for the body's first effective blow in this frame."""
     row = bodies[target]
     size = size_of_pair(bodies, striker, target)
     is_hard = is_impact(blow.approach, size, limits, dt)

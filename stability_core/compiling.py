@@ -19,13 +19,15 @@ from stability_core.script import ScriptedExtension, ScriptedPort, play_script
 
 _LOG = logging.getLogger("stability_core")
 _SILENT_S = 2.0
-"""Time [s] of compiling above which ``compile_policy`` logs a line, because a user notices a longer pause."""
+"""Time [s] of ``compile_policy`` above which the function logs this time, because a user notices a longer pause."""
 _COMPILED: set[str] = set()
 """Names of the policies whose kernels this process has compiled."""
 
 
 def compile_policy(policy: str, extension_of: Callable[[ScriptedPort], ScriptedExtension]) -> float:
-    """Compile all kernels of a policy, once in a process, and return the time [s].
+    """Compile all kernels of a policy, or read them from Numba's cache, and return the time [s].
+
+    A further call for the same policy in the same process only returns 0.
 
     Args:
         policy: name of the policy.
@@ -48,7 +50,7 @@ def compile_policy(policy: str, extension_of: Callable[[ScriptedPort], ScriptedE
         _play(extension_of)
     seconds = time.perf_counter() - begin
     if seconds > _SILENT_S:
-        _LOG.warning("compiled the kernels of policy %r in %.0f s, once per version", policy, seconds)
+        _LOG.warning("compiled the kernels of policy %r in %.0f s, or read them from Numba's cache", policy, seconds)
     return seconds
 
 

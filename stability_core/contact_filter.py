@@ -48,7 +48,7 @@ def bit_of(body: int) -> np.uint64:
 
 @compiled
 def is_level(upward: float, friction: float, level_tilt: float) -> bool:
-    """Return True if a contact can carry a vertical force: its Coulomb cone contains the vertical.
+    """Return True if a contact is load-bearing: its Coulomb cone, widened to ``level_tilt``, contains the vertical.
 
     |upward| >= cos(max(atan(friction), level_tilt))
 
@@ -62,7 +62,7 @@ def is_level(upward: float, friction: float, level_tilt: float) -> bool:
 
 @compiled
 def upper_of(body_a: int, body_b: int, upward: float) -> int:
-    """Return the upper body of a contact: the body that the contact pushes up.
+    """Return the upper body of a contact: the body that the contact pushes up, or ``body_a`` for a horizontal normal.
 
     The heights of the centres do not decide, because a tilted plank's centre may lie above a block on the plank's low
     end.
@@ -129,7 +129,7 @@ def _deepest_of_pair(body_a: IntArray, body_b: IntArray, separation: FloatArray,
 
 @compiled
 def note_sizes(bodies: Bodies, contacts: ContactArrays) -> None:
-    """Record each body's size: the greatest distance [m] of a contact point from the body's centre.
+    """Update each body's size: the greatest distance so far [m] of a contact point from the body's centre.
 
     The function ignores a point whose gap exceeds ``_NEAR`` times the point's distance from the centre.
     """
@@ -172,15 +172,15 @@ def is_impact(approach: float, size: float, limits: Limits, dt: float) -> bool:
 
 @compiled
 def keep_contacts(bodies: Bodies, contacts: ContactArrays, limits: Limits, dt: float, kept: ContactRows) -> int:
-    """Filter one frame's contacts, and record the neighbours, the depth and the sliding speed of each live body.
+    """Filter one frame's contacts, and record neighbours, supports, depth and sliding speed of each live body.
 
     Args:
         bodies: the table, after ``motion.track`` of this frame.
         contacts: n contacts between rows of the table.
         limits: the settings. The filter drops impacts (see ``is_impact``) and gaps wider than ``contact_gap``. The
-            filter measures gaps from the deepest point of the pair, because a tilted plank may stand only on one edge,
-            deep in the ground. A contact that is not load-bearing counts up to a gap of ``touch_gap``, because friction
-            needs pressure.
+            filter measures these gaps from the deepest point of the pair, because a tilted plank may stand on one edge,
+            deep in the ground. The filter also drops a contact that is not load-bearing if its separation exceeds
+            ``touch_gap``, because friction needs pressure.
         dt: time since the last frame [s].
         kept: output, with room for at least n rows of ``CONTACT``.
 

@@ -18,7 +18,7 @@ def explain(row: Any, settings: Settings, gravity: float, dt: float, reason: str
         settings: the tolerances.
         gravity: gravitational acceleration [m/s2], positive.
         dt: length of the latest frame [s].
-        reason: reason of the body's last freezing or unfreezing; empty before the first.
+        reason: reason of the body's last freezing or unfreezing, or an empty text before the first.
     """
     if row["state"] == FROZEN:
         return f"frozen: {reason}"
@@ -30,9 +30,9 @@ def explain(row: Any, settings: Settings, gravity: float, dt: float, reason: str
         return "held by the user: the body may freeze after its release"
     if not row["touches"]:
         return (
-            "touches live bodies only: none of these bodies is frozen yet"
+            "touches neither the ground nor a frozen body: no body below or beside it is frozen yet"
             if row["neighbours"]
-            else "touches nothing, and falls"
+            else "touches nothing: the port lists no contact of this body, or only gaps and impacts"
         )
     if row["unsettled"]:
         return (
@@ -43,11 +43,14 @@ def explain(row: Any, settings: Settings, gravity: float, dt: float, reason: str
 
 
 def _why_not_at_rest(row: Any, settings: Settings, gravity: float, dt: float) -> str:
-    """Return the rule of rest that a body violates, or an empty text for a body at rest."""
+    """Return the rule of rest that a body does not meet yet, or an empty text.
+
+    The text is empty for a body at rest, and for a newly listed body that the policy refused.
+    """
     if max(row["rest_s"] - settings.rest_s, row["still_s"] - settings.still_s) >= -ROUNDING_S:
         return ""
     if not np.isfinite(row["speed"]):
-        return "" if row["refusal"] else "listed for the first time: the speed of the body is not known yet"
+        return "" if row["refusal"] else "listed for the first time as a live body: its speed is not known yet"
     size, fall_speed = row["size"], np.sqrt(gravity * row["size"])
     in_place = f"; has kept its place for {row['still_s']:.2f} s of {settings.still_s:g} s"
     if row["speed"] > settings.rest_speed * fall_speed:
@@ -67,17 +70,17 @@ def _why_not_at_rest(row: Any, settings: Settings, gravity: float, dt: float) ->
 
 
 def _why_refused(row: Any, settings: Settings) -> str:
-    """Return the reason why the policy did not freeze a body at rest."""
+    """Return the policy's last reason to refuse a body at rest, or a general text without a refusal."""
     if row["refusal"] == TOPPLES:
         return "topples: the centre of mass lies outside the contact area"
     if row["refusal"] == FALLS:
         return "falls: no contact forces hold the body in the stack"
     if row["refusal"] == DOUBTED:
         return (
-            "in doubt: contact forces could hold the body, but would not arise by themselves; the body freezes after "
-            f"it has kept its place for {settings.doubt_s:g} s (so far {row['steady_s']:.2f} s)"
+            "in doubt: statics proves neither that the body stands nor that it falls; the body may freeze after it has "
+            f"kept its place and its neighbours for {settings.doubt_s:g} s (so far {row['steady_s']:.2f} s)"
         )
-    return "at rest, but the policy did not find it stable"
+    return "at rest, but not frozen: the policy did not find the body stable, or has not judged the body yet"
 
 
 def _millimetres(metres: float) -> str:

@@ -35,10 +35,11 @@ MOMENT_S = 1e-9
 def warm_up(policy: str = "equilibrium") -> float:
     """Compile all kernels of ``policy``, or read them from Numba's cache, and return the time [s].
 
-    ``StabilityExtension`` calls this function once per process and policy, so that Numba compiles nothing while a
+    ``StabilityExtension`` calls this function for a policy given by name, so that Numba compiles nothing while a
     simulation runs. You may call the function earlier, for example while you build a container. Compiling takes one to
-    two minutes, once per version of the core. The function reports long compilations, and a cache that is not writable,
-    to the logger ``stability_core``.
+    two minutes, once per version of the core if Numba's cache is writable. A further call for the same policy in the
+    same process only returns 0. The function reports long compilations, and a cache that is not writable, to the logger
+    ``stability_core``.
 
     Raises:
         UnknownNameError: if ``policy`` is no name of ``POLICIES``.
@@ -59,13 +60,13 @@ class StabilityExtension:
     ) -> None:
         """Attach the extension to the world behind ``port``.
 
-        The first extension of a policy in a process compiles its kernels: see ``warm_up``.
+        For a policy given by name, the first extension in a process compiles the kernels: see ``warm_up``.
 
         Args:
             port: the core's view of the engine.
             policy: a name of ``POLICIES``, or a policy of your own.
             gravity: gravity [m/s2], in any direction. Assign ``StabilityExtension.gravity`` when gravity changes.
-            settings: the tolerances.
+            settings: the tolerances, or None for the defaults.
 
         Raises:
             UnknownNameError: if ``policy`` is an unknown name.
@@ -102,7 +103,7 @@ class StabilityExtension:
 
     @property
     def frozen(self) -> IntArray:
-        """Ids of all frozen bodies, shape (n,)."""
+        """Ids of all frozen bodies in rising order, shape (n,)."""
         table = self._world.graph.bodies
         ids: IntArray = np.sort(table["id"][table["state"] == FROZEN])
         return ids
@@ -111,7 +112,7 @@ class StabilityExtension:
     def gravity(self) -> tuple[float, float, float]:
         """Gravity [m/s2], in the coordinates of the port.
 
-        Set this value before ``update`` whenever gravity changes. Small changes add up. After a total change of
+        Set this value before ``update`` whenever gravity changes. Small changes add up. After a total change above
         ``gravity_tilt`` or ``gravity_change``, the next update judges every frozen body again: O(bodies).
         """
         return self._gravity
@@ -134,9 +135,9 @@ class StabilityExtension:
         self.close()
 
     def close(self) -> None:
-        """Unfreeze every frozen body and refuse further use, so that another extension can take over the port.
+        """Unfreeze every frozen body, so that another extension can take over the port.
 
-        A second call does nothing.
+        Afterwards ``update``, ``adopt`` and ``wake`` raise RuntimeError. A second call does nothing.
         """
         if self._is_closed:
             return
@@ -159,7 +160,7 @@ class StabilityExtension:
         An unfrozen body at rest may freeze again, once it has moved or has stayed calm for ``calm_s``.
 
         Raises:
-            KeyError: for a body that no update has seen.
+            KeyError: for a body that the port has never listed, or has removed.
             RuntimeError: if the extension is closed.
         """
         self._check_open()
@@ -172,10 +173,11 @@ class StabilityExtension:
     def disturb(self, bodies: Iterable[int]) -> None:
         """Keep ``bodies`` live while a user holds or pushes these bodies.
 
-        The next update judges the bodies on them again. End this state with ``release``.
+        The next update unfreezes the frozen bodies of ``bodies``, and judges the bodies on them again. End this state
+        with ``release``.
 
         Raises:
-            KeyError: for a body that no update has seen.
+            KeyError: for a body that the port has never listed, or has removed.
         """
         table = self._world.graph.bodies
         for row in self._world.rows_of(bodies).tolist():
@@ -188,7 +190,7 @@ class StabilityExtension:
         """Let ``bodies`` freeze again once they are at rest, after the user has released these bodies.
 
         Raises:
-            KeyError: for a body that no update has seen.
+            KeyError: for a body that the port has never listed, or has removed.
         """
         self._world.graph.bodies["held"][self._world.rows_of(bodies)] = False
 
@@ -196,7 +198,7 @@ class StabilityExtension:
         """Explain why a body is live (such as "0.31 mm deep in its support"), or why the core froze the body.
 
         Raises:
-            KeyError: for a body that no update has seen.
+            KeyError: for a body that the port has never listed, or has removed.
         """
         row = self._world.graph.bodies[self._world.rows_of([body])[0]]
         return explain(row, self.settings, self.policy.gravity, self._dt, self._reasons.get(body, ""))
@@ -204,10 +206,11 @@ class StabilityExtension:
     def update(self, dt: float) -> Change:
         """Read the world after a step of ``dt`` seconds, and freeze and unfreeze bodies.
 
-        The cost depends on the live bodies and the changes, not on the number of frozen bodies. While the port lists no
-        body and no contact, and the host makes no change, the core only reads the port. If the input is malformed, no
-        body freezes or unfreezes. If the port's ``sleep`` or ``wake`` raises, the port may have carried out a part of
-        the batch, and the next update tries again.
+        In a frame without changes, the cost depends only on the bodies and contacts that the port lists, not on the
+        number of frozen bodies. While the port lists no body and no contact, and the host makes no change, the core
+        only reads the port. If the input is malformed, no body freezes or unfreezes. If the port's ``sleep`` or
+        ``wake`` raises, the port may have carried out a part of the call, and the next update repeats the unfreezing.
+        If ``sleep`` raises, the bodies of this call count as live, and must come to rest again.
 
         Raises:
             ValueError: if dt is not positive and finite, or the port returns malformed contacts or masses.
@@ -232,14 +235,14 @@ class StabilityExtension:
 
         Use this method for stacks that exist when the simulation starts, and for stacks that you place as a whole. Call
         the method before the first step, with an engine that lists the contacts of the present poses. Bodies stay live
-        if they cannot stand, if they move, or if they slide at a contact. Policies that do not judge statics
-        (``at_rest``, ``pile``) adopt nothing.
+        if they cannot stand, if they move, if they slide at a contact, or if a user holds them. Policies that do not
+        judge statics (``at_rest``, ``pile``) adopt nothing.
 
         Args:
-            bodies: the live bodies to judge; None for all.
+            bodies: the bodies to judge, of which only live bodies count, or None for all live bodies.
 
         Raises:
-            KeyError: for a body that the port has not listed.
+            KeyError: for a body that the port has never listed, or has removed.
             ValueError: if the port returns malformed contacts or masses.
             RuntimeError: if the extension is closed.
         """
@@ -312,7 +315,7 @@ class StabilityExtension:
         """Return the port's arrays without the rows of recently removed bodies, and count the dropped rows.
 
         Raises:
-            ValueError: if the shapes of the arrays do not fit together.
+            ValueError: if the shapes or the types of the arrays do not fit together.
         """
         check_shapes(contacts, masses)
         gone = [*self._leaving, *self._left]
@@ -360,7 +363,7 @@ class StabilityExtension:
     def _send(self, batch: Batch) -> Change:
         """Send a batch to the engine, and record the reasons of its changes.
 
-        If the engine raises, the next update tries again.
+        If the port raises, the next update unfreezes the bodies in ``batch.woken``, and the method raises again.
         """
         try:
             change = batch.hand_over(self.port)

@@ -178,7 +178,7 @@ def observe(
         worklist: output, with room for 2 n + m bodies.
         limits: the settings, shape (1,).
         dt: time since the last frame [s].
-        body: the bodies that the port lists, shape (m,): all live bodies, and perhaps frozen bodies.
+        body: the bodies that the port lists, shape (m,): all live and kinematic bodies, and perhaps frozen bodies.
         body_a: first bodies of the contacts, shape (n,).
         body_b: second bodies, shape (n,).
         mass: masses of the listed bodies [kg], shape (m,).
@@ -194,8 +194,8 @@ def observe(
         Four numbers:
 
         - the fault, or FINE without a fault;
-        - the row of the fault, or for NO_ROOM the number of missing rows, or for FINE the number of listed frozen
-        bodies;
+        - the row of the fault; for NO_ROOM the number of missing rows; for BAD_SHAPE -1; for FINE the number of
+          listed frozen bodies;
         - the number of bodies in ``worklist``;
         - the number of kept contacts of all dwell frames.
     """

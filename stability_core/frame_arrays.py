@@ -17,7 +17,7 @@ NO_FORCES = np.zeros((0, 0))
 
 
 class ContactArrays(NamedTuple):
-    """The contacts of one frame, in upright coordinates, with the fields of ``Contacts``."""
+    """The contacts of one frame, with the fields of ``Contacts``: in upright coordinates, except in ``check_port``."""
 
     body_a: IntArray
     """First bodies, ids or rows of the table, shape (n,)."""

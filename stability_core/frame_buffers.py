@@ -25,11 +25,12 @@ STRUCK, AT_REST, LEANING, LYING, GONE, MOVED, PUSHED = range(7)
 """Rows of ``FrameBuffers.worklist``:
 
 - STRUCK: frozen bodies that must unfreeze because of blows;
-- AT_REST: live bodies to which the flat test applies now;
-- LEANING: live bodies to which the leaning test applies now;
-- LYING: live bodies that newly lie on the stack;
-- GONE: live bodies that no longer lie on the stack;
-- MOVED: kinematic bodies that began to move, and frozen bodies that a kinematic body moves;
+- AT_REST: live bodies at rest, which the policy must judge now;
+- LEANING: live bodies at rest by the rule for leaning, which the policy must judge now;
+- LYING: live bodies on a support, with missing or outdated patches;
+- GONE: live bodies that have patches, but no longer lie on a support;
+- MOVED: kinematic bodies that began to move, bodies that stopped being kinematic, and frozen bodies that a kinematic
+  body moves;
 - PUSHED: frozen bodies on which a push has changed or has lasted ``still_s``.
 """
 STOOD, LENGTH, NOW, HAS_FORCES = range(4)
@@ -39,7 +40,7 @@ STOOD, LENGTH, NOW, HAS_FORCES = range(4)
 class FrameBuffers(NamedTuple):
     """The dwell frames, and the worklist of the latest frame.
 
-    The length of a dwell frame is ``FRAME_S``, or the length of a slower host's frame.
+    A dwell frame lasts at least ``FRAME_S``, and at least one frame of the host.
     """
 
     contacts: ContactRows
@@ -52,7 +53,7 @@ class FrameBuffers(NamedTuple):
     """Four numbers, shape (4,):
 
     - STOOD: age of the latest dwell frame [s];
-    - LENGTH: length of a dwell frame [s];
+    - LENGTH: least length of a dwell frame [s] at the host's frame rate;
     - NOW: time since the first frame [s];
     - HAS_FORCES: 1 if the engine reports contact forces, else 0.
     """
@@ -61,7 +62,7 @@ class FrameBuffers(NamedTuple):
 
 
 def buffers_for(seconds: float, room: int, known: FrameBuffers | None = None) -> FrameBuffers:
-    """Return arrays for dwell frames that span ``seconds``, and copy the ``known`` content.
+    """Return arrays for dwell frames that span ``seconds``, with the ``known`` contacts and an empty worklist.
 
     Each dwell frame has room for ``room`` contacts, and each list has room for ``room`` bodies.
     """
@@ -125,7 +126,7 @@ def next_frame(sizes: IntArray, latest: IntArray, clock: FloatArray, dt: float) 
 
 @compiled
 def frames_of(buffers: FrameBuffers, seconds: float) -> int:
-    """Return the number of latest dwell frames within ``seconds``: at least one."""
+    """Return the number of latest dwell frames that span ``seconds``: at least one, and at most all."""
     frames = int(np.ceil((seconds - ROUNDING_S) / buffers.clock[LENGTH]))
     return min(max(1, frames), len(buffers.sizes))
 

@@ -85,7 +85,7 @@ def follow_host(bodies: Bodies, masses: MassArrays, limits: Limits, dt: float, m
 
     Args:
         bodies: the table, before ``motion.track`` of this frame.
-        masses: m listed bodies, by their rows; kinematic bodies have infinite mass.
+        masses: m listed bodies, by their rows, with infinite mass for kinematic bodies.
         limits: the settings.
         dt: time since the last frame [s].
         moved: output, bodies that can no longer bear a frozen body, with room for at least m bodies.

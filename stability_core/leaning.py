@@ -34,7 +34,7 @@ def torque_induced_force(weight: FloatArray, center: FloatArray, pivot: FloatArr
     """Return the force [N], (3,), that gravity's torque about the pivot exerts on the leaning contact.
 
     The torque is T = (C_stack - P_pivot) x G (Eq. 3). The force is perpendicular to the lever r = C_contact - P_pivot,
-    along T x r, so that |F| = |T| / |r| (Eq. 5 with sin(theta) = 1).
+    along T x r, so that |F| = |T| / |r| (Eq. 5 with sin(theta) = 1). If T x r is zero, the force is zero.
 
     Args:
         weight: gravitational force G on the body and its loads [N], shape (3,).

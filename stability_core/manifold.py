@@ -33,7 +33,7 @@ from stability_core.upright import turned
 ENOUGH_VERTICES = 4
 """Number of vertices at which ``_thinned`` stops, because a box stands on four vertices."""
 NEGLIGIBLE = 1e-3
-"""Share of a patch's area below which ``_thinned`` drops a vertex, because the points of several frames scatter,
+"""Share of a patch's area up to which ``_thinned`` drops a vertex, because the points of several frames scatter,
 and each vertex costs time."""
 _LOAD, _FILED = -1, -2
 """Further kinds of contacts:
@@ -57,7 +57,7 @@ def _thinned(hull: FloatArray) -> FloatArray:
     """Return the hull (k, 3) without the vertices that add the least area.
 
     At most MAX_VERTICES vertices remain. While more than ``ENOUGH_VERTICES`` vertices remain, the function also drops a
-    vertex that adds less than ``NEGLIGIBLE`` of the area.
+    vertex that adds at most ``NEGLIGIBLE`` of the area.
     """
     size = len(hull)
     negligible = NEGLIGIBLE * _twice_area(hull) if size > ENOUGH_VERTICES else 0.0
@@ -245,7 +245,7 @@ def lay_all(graph: Graph, buffers: FrameBuffers, ids: IntArray, frames: int, fac
 
 @compiled
 def lift(graph: Graph, body: int) -> None:
-    """Remove the patches of a live body on its supports, because the body no longer lies on them."""
+    """Remove the patches on which a body stands and leans, so that the body is no load."""
     drop_supports(graph, body)
     graph.bodies[body].is_load = False
 

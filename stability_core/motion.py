@@ -65,7 +65,7 @@ def _squared_distance(a: FloatArray, b: FloatArray) -> float:
 
 @compiled
 def _turns(body: Bodies, limits: Limits) -> bool:
-    """Return True if the kinematic bodies below a body have turned it by more than ``steady_shift``, here in rad.
+    """Return True if the kinematic bodies that touch a body have turned it by more than ``steady_shift``, here in rad.
 
     The angle counts from the last frame with the result True. A turn counts as motion, because the body's centre may
     keep its place, and its contacts may not slide.
@@ -88,7 +88,10 @@ def _turns(body: Bodies, limits: Limits) -> bool:
 
 @compiled
 def _time_in_place(body: Bodies, limits: Limits, fall_speed: float, turns: bool, dt: float) -> None:
-    """Measure the time for which a live body has kept its place, and the time for which it also kept its neighbours."""
+    """Measure the time for which a live body has kept its place, and the time for which it also kept its neighbours.
+
+    A change of place or neighbours also clears the body's refusal.
+    """
     shift = limits.steady_shift * body.size
     if (
         not turns
@@ -178,8 +181,8 @@ def _is_asked(elapsed: float, dwell: float, again: float, dt: float, rarely: boo
 def _patience(body: Bodies, limits: Limits) -> float:
     """Return the additional rest time [s] of a body.
 
-    The time is ``calm_s`` after two unfreezings, and doubles at each further unfreezing, up to ``longest_calm_s``. The
-    time grows because a body that unfreezes repeatedly in its place usually lies in a pile that still moves.
+    The time is zero before the second unfreezing, then ``calm_s``. Each further unfreezing doubles the time, up to
+    ``longest_calm_s``, because a body that unfreezes repeatedly usually lies in a pile that still moves.
     """
     if body.wakes < 2:
         return 0.0
@@ -192,19 +195,19 @@ def list_due(
 ) -> tuple[int, int]:
     """List the bodies that need a decision about their stability now, and return the lengths of both lists.
 
-    If the policy does not freeze a listed body, the function lists the body again after a wait:
+    If the policy does not freeze a listed body, the function lists the body again:
 
-    - for a deferred body: until the next frame;
-    - for a body that the policy refused: ``rest_s``;
-    - for the refusal FALLS: 1, 2, 4, 8, ... times ``rest_s``, while the body's frozen neighbours stay the same;
-    - for the refusal DOUBTED: until the body has kept its place and its neighbours for ``doubt_s``.
+    - a deferred body in the next frame;
+    - a body with the refusal FALLS at 1, 2, 4, 8, ... times ``rest_s`` after the first listing;
+    - a body with the refusal DOUBTED once the body has kept its place and its neighbours for ``doubt_s``;
+    - any other body every ``rest_s``.
 
-    The last two waits are long, because solves are expensive. After a change of the frozen neighbours, these waits are
-    ``rest_s`` too.
+    The waits after FALLS and DOUBTED are long, because solves are expensive. A change of the frozen neighbours shortens
+    these waits to ``rest_s``.
 
     Args:
         bodies: the table.
-        ids: the live bodies, shape (m,).
+        ids: the listed bodies, shape (m,), of which only live bodies count.
         limits: the settings.
         dt: time since the last frame [s].
         at_rest: output, bodies at rest, with room for at least m bodies.
@@ -237,17 +240,17 @@ def list_due(
 def list_shifted_loads(
     bodies: Bodies, ids: IntArray, limits: Limits, lying: IntArray, gone: IntArray
 ) -> tuple[int, int]:
-    """List the live bodies with outdated patches, and return the lengths of both lists.
+    """List the live bodies with missing or outdated patches, and return the lengths of both lists.
 
     After a load has kept its place for ``doubt_s``, the function lists the load once more. From then on, a joint solve
     of the load with the stack can decide.
 
     Args:
         bodies: the table.
-        ids: the live bodies, shape (m,).
+        ids: the listed bodies, shape (m,), of which only live bodies count.
         limits: the settings.
-        lying: output, bodies that newly lie on the stack, with room for at least m bodies.
-        gone: output, bodies that no longer lie on the stack, with room for at least m bodies.
+        lying: output, bodies on a support with missing or outdated patches, with room for at least m bodies.
+        gone: output, bodies that have patches, but no longer lie on a support, with room for at least m bodies.
     """
     n, m = 0, 0
     for i in range(len(ids)):

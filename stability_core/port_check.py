@@ -52,13 +52,13 @@ def check_port(port: StabilityPort, step: Step, frames: int = 120) -> list[str]:
     Args:
         port: the port, without an extension.
         step: function that advances the simulation by one frame.
-        frames: number of frames within which a body comes to rest.
+        frames: number of frames, at least 1, within which a body comes to rest.
 
     Returns:
         Lines of text with the findings.
 
     Raises:
-        PortError: at the first broken promise.
+        PortError: at the first broken promise, or if no body comes to rest on the ground.
     """
     for frame in range(frames):
         before = port.masses() if frame == frames - 1 else None
@@ -120,7 +120,7 @@ def _resting_body(contacts: Contacts, before: Masses | None, masses: Masses) -> 
     """Return the body on the ground that moves least, and its size [m]: from its centre to its farthest ground contact.
 
     Raises:
-        PortError: if no body touches the ground, or no body on the ground is at rest.
+        PortError: if no movable body touches the ground, or no movable body on the ground is at rest.
     """
     best, found, best_size = np.inf, -1, 0.0
     known = {} if before is None else dict(zip(before.body.tolist(), before.center_of_mass, strict=True))
@@ -135,8 +135,8 @@ def _resting_body(contacts: Contacts, before: Masses | None, masses: Masses) -> 
             best, found, best_size = moved, body, size
     if found < 0:
         raise PortError(
-            "contacts() lists no contact with the ground in the last frame: give floors, walls and tables the id "
-            f"{GROUND} in contacts(), and let a body lie on the ground"
+            "contacts() lists no contact with the ground in the last frame for any body of finite mass: give floors, "
+            f"walls and tables the id {GROUND} in contacts(), and let such a body lie on the ground"
         )
     if best > STOPPED:
         raise PortError(

@@ -1,4 +1,4 @@
-"""Pushes: contact forces of live bodies on frozen bodies, beyond the weight of the live bodies.
+"""Pushes: contact forces of live and MOVING bodies on frozen bodies, beyond the weight of the live bodies.
 
 A body on a stack presses with its weight, which statics knows. A motor, a robot or a user presses on a stack with a
 force that only the engine knows. If the engine reports contact forces, two kinds of forces count as pushes:
@@ -7,7 +7,7 @@ force that only the engine knows. If the engine reports contact forces, two kind
 - all forces of bodies that the user holds or the host moves.
 
 The forces of a live body faster than ``load_speed`` do not count. The module averages the force over ``load_s``, so
-that a short bump does not count. In each frame of length dt, the contact force f changes the mean push p:
+that a short bump does not count. In each frame of length dt with a push, the force f changes the mean push p:
 
 p <- (1 - w) p + w f,    w = min(1, dt / load_s)
 """
@@ -53,7 +53,8 @@ def _begin(row: Bodies, limits: Limits, now: float, weight: float) -> None:
 def _is_due(row: Bodies, limits: Limits, now: float) -> bool:
     """Return True if a push has changed, or has lasted ``still_s``, since the core last judged the body's balance.
 
-    A force shorter than ``load_s`` may be the bump of a body that has just arrived.
+    ``CHANGE`` limits the change, and the ratio of a lasting push to the body's weight. A force shorter than ``load_s``
+    never counts, because it may be the bump of a body that has just arrived.
     """
     if now - row.push_began_s < limits.load_s - ROUNDING_S:
         return False

@@ -73,7 +73,7 @@ _TOUCHES = (
 
 
 class ScriptedPort:
-    """Port of the scripted world, with cubes at rest that obey ``sleep`` and ``wake``."""
+    """Port of the scripted world, with bodies at rest that obey ``sleep`` and ``wake``."""
 
     def __init__(self) -> None:
         self.bodies = {body: center for body, center in _CUBES.items() if body != _LATE}
@@ -103,7 +103,7 @@ class ScriptedPort:
         )
 
     def masses(self) -> Masses:
-        """Return the live cubes, with a mass of 1 kg each."""
+        """Return the live bodies, with a mass of 1 kg each, and the bodies removed since the last call."""
         live = sorted(self.bodies.keys() - self._frozen)
         removed, self._removed = self._removed, []
         centers = np.array([self.bodies[body] for body in live]).reshape(-1, 3)

@@ -17,7 +17,7 @@ from stability_core.stack import FROZEN, LIVE, Graph, note_change_of_supports, s
 
 @compiled
 def _with_rule(graph: Graph, buffers: FrameBuffers, rule: int, state: int) -> IntArray:
-    """Return the bodies in ``state`` whose strictest rule is ``rule``, by rising row, shape (k,)."""
+    """Return the bodies in ``state`` on the list of ``rule`` and of no stricter rule, by rising row, shape (k,)."""
     bodies, ids = graph.bodies, listed(buffers, rule)
     found = np.empty(len(ids), np.int64)
     n = 0
@@ -51,8 +51,8 @@ def lay_due(graph: Graph, buffers: FrameBuffers, limits: Limits) -> None:
 def lay_frozen(graph: Graph, buffers: FrameBuffers, limits: Limits) -> None:
     """Rebuild the patches of newly frozen bodies, and remove the patches of live bodies after a failed leaning test.
 
-    A newly frozen body that touches only the stack keeps its patches. A live body that only passes by keeps no patches,
-    because it is no load.
+    A newly frozen body that touches only the stack keeps its patches. After a failed leaning test, a live body keeps
+    its patches only if it has lain on a support for ``load_s``. Otherwise the body may only pass by, and is no load.
     """
     limit = limits[0]
     for rule, dwell in ((AT_REST, limit.rest_s), (LEANING, limit.lean_s)):

@@ -71,7 +71,7 @@ BODY = np.dtype(
         ("idle_s", "f8"),  # at rest by the strict rule, with any or no contacts
         ("is_resting", "?"),  # at rest for as long as freezing requires
         ("wakes", "i8"),  # number of unfreezings since it was last in flight
-        ("carrier_normal", "f8", (3,)),  # sum of the normals from the kinematic bodies below it, in this frame
+        ("carrier_normal", "f8", (3,)),  # sum of the normals from the kinematic bodies that touch it, in this frame
         ("still_normal", "f8", (3,)),  # unit direction of that sum when it last turned by ``steady_shift``
         # duration in its place among the same neighbours
         ("steady_s", "f8"),  # [s]
@@ -134,7 +134,8 @@ class Graph(NamedTuple):
     spare: IntArray
     """Free rows of ``patches``: their number, then the rows, shape (1 + len(patches),)."""
     changed: IntArray
-    """Bodies with changed patches since the last ``take_changed``: their number, then rows, shape (1 + bodies,)."""
+    """Bodies with changed patches, mass or gravity since the last ``take_changed``: their number, then rows, shape
+    (1 + bodies,)."""
 
 
 @compiled
@@ -201,7 +202,7 @@ def sorted_ids(ids: IntArray) -> IntArray:
 
 @compiled
 def take_changed(graph: Graph) -> IntArray:
-    """Return the bodies with changed patches since the last call, by rising row, shape (k,): O(k log k)."""
+    """Return the bodies listed as changed, by rising row, shape (k,), and empty the list: O(k log k)."""
     bodies, listed = graph.bodies, graph.changed
     changed = sorted_ids(listed[1 : 1 + listed[0]])
     listed[0] = 0
@@ -309,7 +310,9 @@ def _is_in_doubt(bodies: Bodies, body: int) -> bool:
 
 @compiled
 def with_all_above(graph: Graph, roots: IntArray) -> IntArray:
-    """Return ``roots`` and each frozen body that rests on them, directly or through other frozen bodies, shape (k,).
+    """Return ``roots`` and each frozen body on them, directly or through other bodies of the result, shape (k,).
+
+    A body is on another body if it stands or leans on this body.
 
     The result also includes each body in doubt that bears a body of the result. A body in doubt may need its neighbours
     to stand.

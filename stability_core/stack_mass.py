@@ -77,6 +77,9 @@ def equivalent_mass(mass: float, center: FloatArray, pivot: FloatArray, contact:
         center: C_stack [m] of the upper body, shape (3,).
         pivot: contact point [m] on the second support nearest to ``center``, shape (3,).
         contact: centre [m] of the contact area with the support that bears the share, shape (3,).
+
+    Returns:
+        The share [kg], or half of ``mass`` if ``contact`` and ``pivot`` have the same place in plan.
     """
     torque = np.hypot(center[0] - pivot[0], center[1] - pivot[1])
     lever = np.hypot(contact[0] - pivot[0], contact[1] - pivot[1])
@@ -95,6 +98,8 @@ def share_on(graph: Graph, at: int) -> tuple[float, float, float, float]:
     - Merge branch, other cases with more supports: equal shares, at the centre of each contact area.
     - Leaning body: the whole load on the pivot, at the contact point nearest to C_stack. This rule is an
       addition, because the paper does not describe how a leaning body passes its load down.
+
+    A patch that bears none of these loads gets the mass zero.
     """
     bodies, patches = graph.bodies, graph.patches
     patch = patches[at]

@@ -1,4 +1,4 @@
-"""Turn the core's memory when gravity changes its direction.
+"""Turn the core's memory when gravity changes by more than its tolerances.
 
 A patch keeps its points and its normal. The module derives the kind, the upper body and the hull of each patch again,
 because all three depend on the direction of gravity. For example, a face that carried a body may become a side, and a
@@ -41,7 +41,7 @@ def _turn_vector(vector: FloatArray, turn: FloatArray) -> None:
 
 @compiled
 def _turn_bodies(bodies: Bodies, turn: FloatArray) -> None:
-    """Turn all positions, and reset the policy's refusals and the times ``steady_s``."""
+    """Turn the positions of all bodies, and reset the policy's refusals and the times ``steady_s``."""
     for i in range(len(bodies)):
         row = bodies[i]
         if row.state == ABSENT:
@@ -67,7 +67,7 @@ def _turn_contacts(bodies: Bodies, buffers: FrameBuffers, turn: FloatArray, leve
 
 @compiled
 def _patches_of_frozen(graph: Graph) -> IntArray:
-    """Drop the patches of live bodies, and return the rows of all other patches, shape (k,)."""
+    """List frozen bodies as changed, drop the patches of other bodies, and return the remaining patches, shape (k,)."""
     bodies, patches = graph.bodies, graph.patches
     rows = np.empty(len(patches), np.int64)
     n = 0
@@ -86,7 +86,10 @@ def _patches_of_frozen(graph: Graph) -> IntArray:
 
 @compiled
 def _turn_patch(graph: Graph, at: int, turn: FloatArray, level_tilt: float) -> None:
-    """Turn a patch of a frozen body, and derive its kind, its upper body and its hull for the new direction."""
+    """Turn a patch of a frozen body, and derive its kind, its upper body and its hull for the new direction.
+
+    If the lower body becomes the upper body, but is not frozen, the function removes the patch.
+    """
     patch = graph.patches[at]
     upper, lower, friction = patch.upper, patch.lower, patch.friction
     points = turned(patch.vertex[: patch.vertices], turn)

@@ -41,7 +41,7 @@ def first_bad_contact(contacts: ContactArrays) -> int:
     - an id is below -1, or both ids are the same;
     - the friction is negative or not finite;
     - the point is not finite;
-    - the normal is not a unit vector.
+    - the squared length of the normal differs from 1 by 1e-3 or more.
     """
     body_a, body_b = contacts.body_a, contacts.body_b
     point, normal, friction = contacts.point, contacts.normal, contacts.friction
@@ -92,7 +92,7 @@ def check_ids(name: str, ids: object) -> None:
     """Check that ids are integers, because 0.5 would count as 0.
 
     Raises:
-        ValueError: if an array does not contain integers. The message names the array and the fix.
+        ValueError: if ``ids`` is no NumPy array, or contains other values. The message names the array and the fix.
     """
     dtype = getattr(ids, "dtype", None)
     if dtype is _IDS:
@@ -190,8 +190,8 @@ def fault_of(fault: int, row: int, contacts: Contacts, masses: Masses) -> ValueE
         )
     if fault == FLIPPED:
         return ValueError(
-            f"{pair}, and the normals of all contacts with the ground push the bodies down from below: normals must "
-            f"point from body_a to body_b, got {contacts.normal[row]}: change the sign of all normals"
+            f"{pair}, and its normal {contacts.normal[row]} pushes the body down from below: normals must point from "
+            "body_a to body_b: change the sign of all normals that point from b to a"
         )
     return ValueError(
         f"{pair}: a contact needs two different ids (-1 for the ground, or at least 0), a finite point, a unit normal "

@@ -44,16 +44,19 @@ class World:
         """Id of the body in each row, shape (rows,): a view of the table."""
 
     def rows_of(self, bodies: Iterable[int]) -> IntArray:
-        """Return the rows of bodies that an update has seen, shape (k,).
+        """Return the rows of bodies that the port has listed and not removed, shape (k,).
 
         Raises:
-            KeyError: for unknown bodies. The message names these bodies.
+            KeyError: for other bodies. The message names these bodies.
         """
         wanted = np.array([operator.index(body) for body in bodies], np.int64)
         rows = self._find(wanted)
         if (rows < 0).any():
             unknown = ", ".join(map(str, wanted[rows < 0].tolist()))
-            raise KeyError(f"unknown body {unknown}: call update() first, because no update has listed this body")
+            raise KeyError(
+                f"unknown body {unknown}: masses() never listed this body, or listed it as removed; list the body, and "
+                "call update() first"
+            )
         return rows
 
     def _find(self, ids: IntArray) -> IntArray:
@@ -62,7 +65,7 @@ class World:
         return rows
 
     def observe(self, contacts: Contacts, masses: Masses, dt: float) -> tuple[int, int, int]:
-        """Read one frame, and return the numbers of bodies on the worklist, kept contacts, and listed frozen bodies.
+        """Read one frame, and return the numbers of entries of the worklist, kept contacts, and listed frozen bodies.
 
         Raises:
             ValueError: if the port's arrays are malformed. In this case no body changes.
@@ -137,7 +140,7 @@ class World:
         return True
 
     def detach(self, row: int) -> None:
-        """Remove the supports and the loads of a body."""
+        """Remove all patches of a body: on its supports, and of its loads."""
         drop_supports(self.graph, row)
         drop_loads(self.graph, row)
 

@@ -31,7 +31,7 @@ class Terms(NamedTuple):
     gravity: float
     """Gravitational acceleration [m/s2], positive."""
     margin: float = 0.0
-    """Outward shift of each vertex of a patch [sizes of the smaller body of the pair]."""
+    """Horizontal outward shift of each vertex of a patch [sizes of the smaller body of the pair]."""
     grip: float = 1.0
     """Factor on each friction coefficient."""
     radius: float = 0.0
@@ -39,18 +39,18 @@ class Terms(NamedTuple):
 
 
 class Part(NamedTuple):
-    """A statics problem, with the ids of its bodies and the rows of its patches."""
+    """A statics problem, with the rows of its bodies and patches."""
 
     problem: Problem
-    """The problem; its bodies are in the order of ``ids``."""
+    """The problem, with its bodies in the order of ``ids``."""
     ids: IntArray
-    """The bodies, shape (n,)."""
+    """Rows of the bodies, shape (n,)."""
     level: BoolArray
     """Mask of the load-bearing contacts, shape (m,)."""
     patches: IntArray
     """Rows of the patches, shape (p,). Their vertices, in this order, are the contacts."""
     size: FloatArray
-    """Size of each body [m], shape (n,). Moments and levers are in units of this size."""
+    """Longest lever of each body [m], or 1 m without contacts, shape (n,): the unit of moments and levers."""
 
 
 @compiled
@@ -98,7 +98,7 @@ def _patches_of(graph: Graph, ids: IntArray, index: IntArray, outside: int) -> t
 
 @compiled
 def _lever(graph: Graph, at: int, vertex: int, margin: float, body: int, lever: FloatArray) -> float:
-    """Write the lever from a body's centre to a vertex of patch ``at``; return the length [m] of the lever.
+    """Write the lever from a body's centre to a vertex of patch ``at``, and return the length [m].
 
     The ``margin`` [sizes] shifts the vertex horizontally, outward from the patch's centre.
     """
@@ -118,7 +118,7 @@ def _rolling(graph: Graph, patches: IntArray, index: IntArray, n: int, radius: f
     Args:
         graph: the stack.
         patches: rows of the patches that touch the bodies, shape (p,).
-        index: index of each body in the problem; negative for a body outside the problem.
+        index: index of each body in the problem, negative for a body outside the problem.
         n: number of bodies.
         radius: width [sizes] up to which a patch is a point or a line.
     """

@@ -62,7 +62,7 @@ class Case(NamedTuple):
     stiffness: float
     """Ratio of the tangential to the normal stiffness of the contacts."""
     bound: FloatArray
-    """Bound on the friction of each contact [unit of load], independent of the pressure, shape (m,); a negative value
+    """Bound on the friction of each contact [unit of load], independent of the pressure, shape (m,). A negative value
     stands for Coulomb's law."""
     place: IntArray
     """Place of each body in the matrix, shape (n,)."""
@@ -138,7 +138,7 @@ def _add_block(
     lever: FloatArray,
     right: FloatArray,
 ) -> None:
-    """Add sign W^T right (6, 6) to the block of the bodies in places i and j; see ``_wrenches`` for W."""
+    """Add sign W^T right (6, 6) to the block of the bodies in places i and j, with W as in ``_wrenches``."""
     for h in range(6):
         x, y, z = right[0, h], right[1, h], right[2, h]
         moment = (lever[1] * z - lever[2] * y, lever[2] * x - lever[0] * z, lever[0] * y - lever[1] * x)
@@ -188,7 +188,7 @@ def _assemble(
 
 @compiled
 def _unbalanced(problem: Problem, inertia: FloatArray, u: FloatArray, force: FloatArray, rest: FloatArray) -> float:
-    """Write the imbalance of each body to ``rest`` (n, 6); return the norm of the rests, times kappa over the weights.
+    """Write the imbalance of each body to ``rest`` (n, 6), and return its norm, times kappa over the weights.
 
     The imbalance is A f - w - M u / kappa. For a rolling body, the imbalance also contains the moment with which the
     slack of the body resists its rotation.
@@ -251,8 +251,9 @@ def _inertia(problem: Problem) -> FloatArray:
 def displace(case: Case, kappa: float, most: int, u: FloatArray) -> tuple[bool, FloatArray]:
     """Move the displacements ``u`` (n, 6) to the solution for ``kappa``.
 
-    The method is semismooth Newton, with at most ``most`` steps. The method halves each step until the imbalance
-    decreases, or the length is ``SHORTEST_STEP``. A step costs O(m) and a factorisation.
+    The method is semismooth Newton, and must reach the solution within ``most`` steps. The method halves each step
+    until the imbalance decreases enough (see ``ENOUGH``), or the length is at most ``SHORTEST_STEP``. A step costs O(m)
+    and a factorisation.
 
     Returns:
         Two values:

@@ -12,9 +12,10 @@ from stability_core.stack import FROZEN, NONE, SUPPORT, Graph
 
 @compiled
 def component(graph: Graph, seeds: IntArray, members: IntArray) -> IntArray:
-    """Return the ``seeds``, and all bodies that patches join to the seeds, directly or indirectly, shape (k,): O(k).
+    """Return the ``seeds``, and the frozen bodies and ``members`` that patches join to the seeds, shape (k,).
 
-    The search passes through frozen bodies and through ``members``.
+    The patches join the bodies directly, or through other bodies of the result. The cost is O(k), besides two arrays
+    with an entry for each row of the table.
 
     Args:
         graph: the stack.
@@ -52,7 +53,7 @@ def component(graph: Graph, seeds: IntArray, members: IntArray) -> IntArray:
 
 @compiled
 def _reach(body: int, reached: BoolArray, found: IntArray, size: int) -> int:
-    """Add a body to ``found`` unless it is ``reached``; return the number of bodies in ``found``."""
+    """Add a body to ``found`` unless it is ``reached``, and return the number of bodies in ``found``."""
     if reached[body]:
         return size
     reached[body] = True
@@ -62,11 +63,12 @@ def _reach(body: int, reached: BoolArray, found: IntArray, size: int) -> int:
 
 @compiled
 def bearing(graph: Graph, memory: Memory, seeds: IntArray, members: IntArray, gravity: float) -> IntArray:
-    """Return the bodies for which a change of the ``seeds`` requires new contact forces: O(result).
+    """Return the bodies for which a change of the ``seeds`` requires new contact forces, shape (k,).
 
     The result contains the seeds and all bodies that bear the seeds, down to the ground. The result also contains each
-    body beside or above these bodies, if its kept forces do not balance. All other kept forces may stay. If new forces
-    balance the bodies of the result under the kept forces on their border, the whole stack is in balance.
+    member beside or above these bodies, and each frozen body there whose kept forces do not balance. All other kept
+    forces may stay. If new forces balance the bodies of the result under the kept forces on their border, the whole
+    stack is in balance. The cost is O(k), besides arrays with an entry for each row of the table.
 
     Args:
         graph: the stack.

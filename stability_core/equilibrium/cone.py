@@ -54,7 +54,7 @@ def derivative(z: FloatArray, normal: FloatArray, mu: float, direction: FloatArr
     w w^T + (mu s / t) (n x e) (n x e)^T                   else, with w = (n + mu e) / sqrt(1 + mu^2)
 
     See ``project`` for the symbols. The apex counts as inside the cone, so that a search from zero includes every
-    contact.
+    contact. For mu = 0, the derivative outside the polar cone is n n^T.
 
     Args:
         z: point of evaluation, shape (3,).

@@ -39,7 +39,7 @@ def correct(
     Args:
         problem: n bodies and m contacts.
         rows: as for ``newton.solve``.
-        start: forces on the second bodies [N], shape (m, 3); zero for an unknown force.
+        start: forces on the second bodies [N], shape (m, 3), with zero for an unknown force.
         y: multipliers of the search, shape (n, 6), zeros at first. The function updates the multipliers, so that a
             later call continues the search.
         steps: greatest number of steps.

@@ -60,7 +60,7 @@ def _neighbours(body_a: IntArray, body_b: IntArray, n: int) -> tuple[IntArray, I
 
 @compiled
 def _spread(start: IntArray, listed: IntArray, root: int, reached: IntArray, mark: int, order: IntArray) -> int:
-    """Write the bodies reached from ``root`` to ``order``, breadth first; return their number.
+    """Write the bodies reached from ``root`` to ``order``, breadth first, and return their number.
 
     The function sets ``reached`` to ``mark`` for these bodies. Among the new neighbours of a body, bodies with fewer
     neighbours come first.
@@ -140,8 +140,8 @@ def _products(
 ) -> None:
     """Write the scalar products of three rows of ``left`` from i and three rows of ``right`` from j to ``tile`` (3, 3).
 
-    The products extend over the columns ``low`` to ``high``. One pass computes all nine sums, so that the sums share
-    their reads.
+    The products extend over the columns from ``low`` up to, but without, ``high``. One pass computes all nine sums, so
+    that the sums share their reads.
     """
     a0, b0 = left[offset[i] + low : offset[i] + high], right[offset[j] + low : offset[j] + high]
     a1, b1 = left[offset[i + 1] + low : offset[i + 1] + high], right[offset[j + 1] + low : offset[j + 1] + high]

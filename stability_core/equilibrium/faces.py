@@ -80,7 +80,7 @@ def _mark_faces(
 def rolling_bodies(
     index_a: IntArray, index_b: IntArray, point: FloatArray, normal: FloatArray, size: FloatArray
 ) -> BoolArray:
-    """Return the mask of the bodies that touch only in points and lines, shape (n,).
+    """Return the mask of the bodies that touch only in points and lines, or not at all, shape (n,).
 
     The cost is O(m log m) for m contacts, and O(k^2) for the k points of each pair.
 

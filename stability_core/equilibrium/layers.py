@@ -60,7 +60,7 @@ class Layers(NamedTuple):
 
 @compiled
 def _clusters(problem: Problem) -> IntArray:
-    """Return the cluster of each body, shape (n,); sideways contacts join bodies."""
+    """Return the cluster of each body, shape (n,): the bodies that sideways contacts join, directly or indirectly."""
     label = np.arange(len(problem.load))
     grows = True
     while grows:
@@ -84,7 +84,7 @@ def _layers_of(problem: Problem) -> Layers:
 
 @compiled
 def _grouped(label: IntArray, n: int) -> tuple[IntArray, IntArray]:
-    """Sort items by ``label``; return the start of each label's items in a list, shape (n + 1,), and the list."""
+    """Return the start of each label's items in a list, shape (n + 1,), and the list of items, sorted by ``label``."""
     start = np.zeros(n + 1, np.int64)
     for i in range(len(label)):
         start[label[i] + 1] += 1
@@ -120,7 +120,7 @@ def _contacts_above(layers: Layers) -> IntArray:
 
 @compiled
 def _part(problem: Problem, members: IntArray, mine: IntArray, index: IntArray) -> Problem:
-    """Return the problem of the ``members`` (k,) with the contacts ``mine`` (j,); all other bodies are fixed.
+    """Return the problem of the ``members`` (k,) with the contacts ``mine`` (j,) and all other bodies fixed.
 
     ``index`` (n,) holds -1 for every body before and after the call.
     """
@@ -159,7 +159,9 @@ def _weighs_enough(own: FloatArray, load: FloatArray, members: IntArray) -> bool
 
 @compiled
 def _load(part: Problem, members: IntArray, load: FloatArray, force: FloatArray) -> bool:
-    """Load one cluster for each of ``STIFFNESSES``; return True if contacts hold the cluster each time.
+    """Load one cluster for each of ``STIFFNESSES``, and return True if contacts hold the cluster each time.
+
+    The result is also False if a body would hang on the bodies above (see ``LIGHTER``).
 
     Args:
         part: the problem of the cluster, k bodies and j contacts.
@@ -232,7 +234,7 @@ def _press(
 
 @compiled
 def _sweep(problem: Problem, layers: Layers, known: FloatArray, loose: BoolArray, waits_for: IntArray) -> int:
-    """Load the clusters from the top down; return ALL_HELD, CYCLE, or the first cluster that contacts do not hold.
+    """Load the clusters from the top down, and return ALL_HELD, CYCLE, or the first cluster that contacts do not hold.
 
     Args:
         problem: n bodies and m contacts.
@@ -271,7 +273,10 @@ def _sweep(problem: Problem, layers: Layers, known: FloatArray, loose: BoolArray
 
 @compiled
 def _join(layers: Layers, root: int) -> bool:
-    """Join a cluster with the clusters on it; return False without clusters on it, or for too many bodies."""
+    """Join a cluster with the clusters on it, and return True.
+
+    Without clusters on it, or for more than ``MOST_TOGETHER`` bodies, the function joins nothing, and returns False.
+    """
     cluster = layers.cluster
     joined = cluster.copy()
     for c in range(len(layers.upper)):
@@ -289,7 +294,7 @@ def _join(layers: Layers, root: int) -> bool:
 
 @compiled
 def _join_cycle(layers: Layers, waits_for: IntArray) -> int:
-    """Join the clusters of a cycle, in which each cluster lies on another cluster; return the union.
+    """Join the clusters of a cycle, in which each cluster lies on another cluster, and return the union.
 
     A walk finds the cycle. The walk starts at a cluster that waits for loads. Each step leads to a waiting cluster on
     the present cluster. The walk ends at the first cluster that occurs twice.
@@ -321,6 +326,8 @@ def _join_cycle(layers: Layers, waits_for: IntArray) -> int:
 @compiled
 def loose_in_layers(problem: Problem, force: FloatArray) -> BoolArray:
     """Return the mask (n,) of the bodies that loading in layers fails to hold for at least one of ``STIFFNESSES``.
+
+    All bodies of a cycle larger than ``MOST_IN_CYCLE`` count as loose.
 
     Args:
         problem: n bodies, each with a weight, and m contacts.

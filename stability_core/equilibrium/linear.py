@@ -1,6 +1,6 @@
 """One Newton step: the generalised Hessian of |P_K(z)|^2 / 2 + rho |y|^2 / 2 at a point z, and the line search.
 
-See ``newton`` for the symbols. The point is z = A^T y for the multipliers y.
+See ``newton`` for the symbols. For the multipliers y, the point is z = A^T y, or in ``correction`` z = f0 + A^T y.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ def _wrench(direction: FloatArray, lever: FloatArray, sign: float, rows: IntArra
 def _add_product(
     matrix: FloatArray, offset: IntArray, i: int, j: int, weight: float, left: FloatArray, right: FloatArray
 ) -> None:
-    """Add weight left right^T to the block of the bodies in places i >= j; for i = j, only to the lower triangle."""
+    """Add weight left right^T to the block of the bodies in places i >= j, and for i = j only to the lower triangle."""
     width = len(left)
     for k in range(width):
         start = offset[i * width + k] + j * width
@@ -87,7 +87,7 @@ def _add_product(
 
 @compiled
 def _assemble(problem: Problem, space: Workspace, rho: float) -> None:
-    """Write the generalised Hessian A D A^T + rho 1 to ``space.matrix``; D is the derivative of P_K at ``space.z``."""
+    """Write the Hessian A D A^T + rho 1 to ``space.matrix``, with the derivative D of P_K at ``space.z``."""
     width, matrix, offset = len(space.rows), space.matrix, space.envelope.offset
     direction, weight = np.empty((3, 3)), np.empty(3)
     on_a, on_b = np.empty(width), np.empty(width)
@@ -120,7 +120,7 @@ def factorize_at(problem: Problem, space: Workspace, rho: float) -> None:
 
 @compiled
 def solve_for(problem: Problem, space: Workspace, right: FloatArray) -> None:
-    """Solve for a ``right`` side (n, 6) with the factor of ``factorize_at``; write dy and dz = A^T dy to ``space``."""
+    """Solve for a ``right`` side (n, 6) with the factor of ``factorize_at``, and write dy and dz to ``space``."""
     rows, place, step, dy = space.rows, space.place, space.step, space.dy
     width = len(rows)
     for i in range(len(right)):

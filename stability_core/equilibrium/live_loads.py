@@ -2,8 +2,8 @@
 
 Live bodies enter the statics problem of the stack as loads. The module solves all live bodies on a part of the stack
 together: bodies that stand, and bodies that fall. The stack below counts as rigid, like the ground. The loads are the
-contact forces that hold the live bodies. If no forces hold a body, the nearest forces are its load: a toppling brick
-presses, with at most its weight, at the point about which the brick turns.
+contact forces that hold the live bodies. If no forces hold a body, the nearest forces are its load. For example, a
+toppling brick presses, with at most its weight, at the point about which the brick turns.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ _PUSHES, _LIVE, _EVERYTHING = range(3)
 
 @compiled
 def lying_on(graph: Graph, ids: IntArray) -> IntArray:
-    """Return the live bodies that touch the bodies ``ids``, directly or through other live bodies, shape (k,)."""
+    """Return the live loads that patches join to the bodies ``ids``, directly or indirectly, shape (k,)."""
     bodies, patches = graph.bodies, graph.patches
     reached = np.zeros(len(bodies), np.bool_)
     found = np.empty(len(bodies), np.int64)
@@ -68,7 +68,10 @@ def lying_on(graph: Graph, ids: IntArray) -> IntArray:
 
 @compiled
 def carriers(graph: Graph, ids: IntArray) -> IntArray:
-    """Return the frozen bodies among ``ids``, and the frozen bodies that bear live bodies among ``ids``, shape (k,)."""
+    """Return the frozen bodies among ``ids``, and the frozen bodies that bear live bodies among ``ids``, shape (k,).
+
+    A frozen body may bear a live body directly, or through other bodies that are not frozen.
+    """
     bodies, patches = graph.bodies, graph.patches
     reached = np.zeros(len(bodies), np.bool_)
     found, waiting = np.empty(len(bodies), np.int64), np.empty(len(bodies), np.int64)
@@ -163,7 +166,7 @@ def live_load(
 
 @compiled
 def contact_load(graph: Graph, buffers: FrameBuffers, part: Part, limits: Limits, everything: bool) -> FloatArray:
-    """Return the mean contact force [N] and moment [N, over the body's size] on each body of ``part``, shape (n, 6).
+    """Return the mean force [N] and moment [N, over the body's size] of pressing bodies on ``part``, shape (n, 6).
 
     The cost is O(contacts of the latest dwell frames).
 
@@ -172,7 +175,8 @@ def contact_load(graph: Graph, buffers: FrameBuffers, part: Part, limits: Limits
         buffers: the dwell frames, with contact forces if the engine reports them.
         part: the part of the stack on which the live bodies press.
         limits: the settings, shape (1,).
-        everything: True to count the forces of all live bodies, False to count pushes only (see ``pushes``).
+        everything: True to count pushes (see ``pushes``) and the forces of all live bodies outside the part, False to
+            count pushes only.
     """
     pressed = np.zeros((len(part.ids), 6))
     _add_contacts(graph, buffers, part.ids, part.size, limits, _LIVE if everything else _PUSHES, pressed)

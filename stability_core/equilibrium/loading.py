@@ -31,7 +31,7 @@ Limits: the method examines one loading path (all loads in proportion) and three
 that only prestress holds (a hammered wedge).
 
 References: J. S. Pang, J. Trinkle, "Stability characterizations of rigid body contact problems with Coulomb friction",
-ZAMM 80 (2000) 643-663, for the notion; G. T.-C. Kao et al., "Coupled rigid-block analysis", Computer-Aided Design 146
+ZAMM 80 (2000) 643-663, for the notion. G. T.-C. Kao et al., "Coupled rigid-block analysis", Computer-Aided Design 146
 (2022) 103216, for self-stress that statics alone accepts.
 """
 
@@ -69,9 +69,10 @@ has longer rows. There the long sequence costs 0.1 s and rarely decides more bod
 def displace_step_by_step(case: Case, u: FloatArray, is_thorough: bool) -> FloatArray:
     """Load at ``KAPPA`` from the displacements ``u`` (n, 6), which the function overwrites.
 
-    If contacts do not hold all bodies, the function loads from zero through smaller values of kappa. With
-    ``is_thorough``, a long sequence of values follows if the short sequences fail. Only the last sequence decides a
-    fall, because a long step may end in a distant jam. A distant jam may hold fewer bodies than the path from zero.
+    If contacts do not hold all bodies, the function loads from zero: through a smaller value of kappa, then at
+    ``KAPPA`` alone. If both fail, a long sequence of values follows, but only with ``is_thorough``, and for short
+    matrix rows (see ``WIDEST``). Only the last sequence decides a fall, because a long step may end in a distant jam. A
+    distant jam may hold fewer bodies than the path from zero.
 
     Returns:
         The ratio of each body's sensitivity to its displacement, shape (n,). See ``displace`` for the values without a
@@ -109,7 +110,8 @@ def needs_prestress(problem: Problem, displacement: FloatArray) -> BoolArray:
     Args:
         problem: n bodies, each with a weight, that have an equilibrium.
         displacement: start of the search for each of ``STIFFNESSES``, shape (3, n, 6): the solution of a similar
-            problem, or zero. The solution overwrites the start.
+            problem, or zero. The solution overwrites the start. Zero overwrites the starts from the first ratio for
+            which contacts do not hold all bodies.
     """
     n = len(problem.load)
     unit = np.abs(problem.load[:, :3]).sum() / n

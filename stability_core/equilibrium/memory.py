@@ -102,7 +102,7 @@ def _is_in_cone(force: FloatArray, normal: FloatArray, friction: float) -> bool:
 
 @compiled
 def recall(graph: Graph, memory: Memory, patches: IntArray, contacts: int) -> FloatArray:
-    """Return the kept forces at all vertices of the ``patches`` (p,), shape (contacts, 3); zero for unknown forces."""
+    """Return the kept forces, or zero if unknown, at all vertices of the ``patches`` (p,), shape (contacts, 3)."""
     force = np.zeros((contacts, 3))
     c = 0
     for at in patches:

@@ -17,7 +17,7 @@ solves degenerate problems.
   (Farkas): r . w > 0, while A^T r lies in the polar of K. With velocities -r gravity does work, and no contact resists.
 
 Before the limit, A^T r lies nearly in the polar. The same method, with w = 0 and y' = r, then finds the nearest
-motion for which A^T r lies in the polar, except for rounding.
+motion with A^T r in the polar, except for rounding.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ class Search(NamedTuple):
 
 @compiled
 def _minimise(problem: Problem, space: Workspace, rho: float, steps: int, search: Search) -> None:
-    """Move y to the minimum of |P_K(A^T y)|^2 / 2 - w . y + rho |y - center|^2 / 2.
+    """Move y towards the minimum of |P_K(A^T y)|^2 / 2 - w . y + rho |y - center|^2 / 2.
 
     The search takes at most ``steps`` steps. The search ends earlier at the minimum, or when the forces balance the
     load.
@@ -107,9 +107,9 @@ def _minimise(problem: Problem, space: Workspace, rho: float, steps: int, search
 
 @compiled
 def nearest_forces(problem: Problem, rows: IntArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return forces in the cones that hold the bodies, or the nearest forces, and the unbalanced rest.
+    """Return forces in the cones that nearly hold the bodies, or approximate the nearest forces, and the rest.
 
-    The result proves nothing, because the search ends at an imbalance of ``ROUGHLY_BALANCED``.
+    The result proves nothing, because the search ends at an imbalance of ``ROUGHLY_BALANCED``, or after a few steps.
 
     Args:
         problem: n bodies and m contacts.
@@ -117,7 +117,7 @@ def nearest_forces(problem: Problem, rows: IntArray, y: FloatArray) -> tuple[Flo
         y: start of the search, shape (n, 6): zeros, or the result for a similar problem. The function overwrites ``y``.
 
     Returns:
-        The forces, shape (m, 3); the unbalanced rest, shape (n, 6).
+        The forces, shape (m, 3), and the unbalanced rest, shape (n, 6).
     """
     n, m = len(problem.load), len(problem.normal)
     space = workspace_for(problem, rows)

@@ -26,7 +26,7 @@ ALONG_A_LINE = 1e-12
 
 @compiled
 def _solve_three(matrix: FloatArray, right: FloatArray) -> None:
-    """Replace ``right`` (3,) by the solution of a positive definite system; overwrite ``matrix`` (3, 3)."""
+    """Replace ``right`` (3,) by the solution of a positive definite system, and overwrite ``matrix`` (3, 3)."""
     for j in range(3):
         for k in range(j):
             matrix[j, j] -= matrix[j, k] ** 2
@@ -65,9 +65,10 @@ def _add_least(row: FloatArray, missing: FloatArray, active: BoolArray, force: F
 
 @compiled
 def _share(row: FloatArray, wanted: FloatArray, force: FloatArray) -> None:
-    """Write to ``force`` (k,) the least non-negative forces whose products with ``row`` (k, 3) sum to ``wanted`` (3,).
+    """Write to ``force`` (k,) small non-negative forces whose products with ``row`` (k, 3) sum to ``wanted`` (3,).
 
-    The function excludes contacts with pulling forces, the strongest pull first, until no force pulls.
+    The function starts from the least forces, and excludes contacts with pulling forces, the strongest pull first. If
+    the remaining contacts cannot bear ``wanted``, the forces miss ``wanted`` or pull, and the caller must check both.
     """
     active, missing = np.ones(len(row), np.bool_), np.empty(3)
     for _ in range(len(row)):

@@ -24,7 +24,7 @@ class Problem(NamedTuple):
     body_a: IntArray
     """First body of each contact, negative for a fixed body, shape (m,)."""
     body_b: IntArray
-    """Second body, on which the force acts, shape (m,); the opposite force acts on the first body."""
+    """Second body, on which the force acts, shape (m,). The opposite force acts on the first body."""
     lever_a: FloatArray
     """Lever from the first body's centre of mass to the contact, over that body's size, shape (m, 3)."""
     lever_b: FloatArray
@@ -87,7 +87,7 @@ def imbalance(problem: Problem, force: FloatArray, rest: FloatArray) -> None:
 
 @compiled
 def greatest_imbalance(problem: Problem, force: FloatArray, rest: FloatArray) -> float:
-    """Return the greatest imbalance of a body, over the largest force on the body; infinite for NaN."""
+    """Return the greatest imbalance of a body beyond its slack, over the largest force on it, or infinity for NaN."""
     largest = np.zeros(len(rest))
     for i in range(len(rest)):
         for k in range(6):
@@ -112,8 +112,9 @@ def greatest_imbalance(problem: Problem, force: FloatArray, rest: FloatArray) ->
 def weakest_equilibrium(problem: Problem, ray: FloatArray, work: FloatArray, force: FloatArray) -> float:
     """Return a lower bound on the greatest force of any equilibrium, over the total weight, or infinity.
 
-    ``ray`` is a motion r (n, 6). If no contact resists r, the bound is infinite, because the motion proves the fall.
-    Any forces f in the cones with A f = w, and any r, satisfy
+    ``ray`` is a motion r (n, 6). If the loads do no positive work along r, the bound is zero. Otherwise, if no contact
+    resists r, the bound is infinite, because the motion proves the fall. Any forces f in the cones with A f = w, and
+    any r, satisfy
 
         r . w = sum f_c . (A^T r)_c <= max |f_c| sum |P_K (A^T r)_c|
 
@@ -136,7 +137,7 @@ def weakest_equilibrium(problem: Problem, ray: FloatArray, work: FloatArray, for
 
 @compiled
 def islands(problem: Problem) -> IntArray:
-    """Return the label of each body's island, shape (n,); contacts between bodies join bodies to islands.
+    """Return the label of each body's island, shape (n,): the bodies that contacts join, directly or indirectly.
 
     The function sweeps over the contacts, back and forth, until nothing changes. A sweep costs O(m).
     """
@@ -185,7 +186,7 @@ def held_by_the_rest(problem: Problem, moves: BoolArray) -> tuple[Problem, BoolA
 
 
 def relieved_of(problem: Problem, gone: BoolArray, force: FloatArray) -> tuple[Problem, BoolArray]:
-    """Return the problem without the bodies of the mask ``gone`` (n,); their contact forces (m, 3) stay as loads.
+    """Return the problem without the bodies of the mask ``gone`` (n,), but with their ``force`` (m, 3) as loads.
 
     Also return the mask (m,) of the remaining contacts.
     """

@@ -96,7 +96,7 @@ def cut(subject: FloatArray, by: FloatArray) -> FloatArray:
 
 @compiled
 def known_region(regions: Regions, body: int) -> FloatArray:
-    """Return U of a frozen body, shape (k, 3); empty for an unknown region."""
+    """Return U of a frozen body, shape (k, 3), or an empty array for an unknown region."""
     row = regions[body]
     region: FloatArray = row.vertex[: row.vertices]
     return region
@@ -176,7 +176,7 @@ def is_unchanged(graph: Graph, regions: Regions, body: int) -> bool:
 
 @compiled
 def is_proven(graph: Graph, regions: Regions, body: int) -> bool:
-    """Return True if ``body`` has the mass and the frozen contacts of its latest proof; False for a body in doubt."""
+    """Return True if ``body`` is not in doubt, and has the mass and the frozen contacts of its latest proof."""
     return bool(graph.bodies[body].doubt == PROVEN and is_unchanged(graph, regions, body))
 
 
@@ -262,8 +262,8 @@ def topples_alone(graph: Graph, body: int, support: FloatArray) -> bool:
     """Return True if a body topples alone: its centre of mass lies outside its contact area.
 
     On a horizontal face, friction cannot hold a body that topples alone. The result is False if the contact area is a
-    point or a line. The result is also False if the body carries another body, leans, or stands on a live body at rest.
-    In these three cases both bodies may freeze together and hold each other.
+    point or a line. The result is also False if the body carries another body, leans, or stands on a body at rest
+    (``is_resting``). In these cases live bodies may freeze together and hold each other.
 
     Args:
         graph: the stack.

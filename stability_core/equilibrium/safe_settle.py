@@ -39,9 +39,10 @@ SAFE, LEFT, UNSOLVED = range(3)
 
 @compiled
 def _freeze_safely(graph: Graph, regions: Regions, candidates: IntArray) -> tuple[IntArray, IntArray]:
-    """Freeze the ``candidates`` in safe regions, lowest first; return the frozen and the undecided bodies.
+    """Freeze the ``candidates`` in safe regions in the given order, and return the frozen and the undecided bodies.
 
-    A body that topples alone stays live, and does not count as undecided.
+    Pass the candidates lowest first, because regions build on lower regions. A body that topples alone stays live, and
+    does not count as undecided.
     """
     bodies = graph.bodies
     frozen, left = np.empty(len(candidates), np.int64), np.empty(len(candidates), np.int64)
@@ -109,7 +110,7 @@ def _with_resting(graph: Graph, candidates: IntArray) -> IntArray:
 def keep_proofs(graph: Graph, regions: Regions, bodies: IntArray) -> None:
     """Record that the ``bodies`` (k,) stand together.
 
-    The order is lowest first, because regions build on lower regions.
+    Pass the bodies lowest first, because regions build on lower regions.
     """
     for body in bodies:
         keep_proof(graph, regions, body, region_of(graph, regions, body))
@@ -117,9 +118,9 @@ def keep_proofs(graph: Graph, regions: Regions, bodies: IntArray) -> None:
 
 @compiled
 def _is_borne(graph: Graph, regions: Regions, body: int) -> bool:
-    """Return True if a cheap proof shows that the stack bears a live ``body``.
+    """Return True if a cheap proof shows that the stack bears a live ``body`` that lies on the stack or topples off.
 
-    The body lies on the stack, or topples off.
+    False means unknown.
     """
     region = region_of(graph, regions, body)
     return is_safe(graph, regions, body, region) or topples_off(graph, regions, body, region)
@@ -127,7 +128,7 @@ def _is_borne(graph: Graph, regions: Regions, body: int) -> bool:
 
 @compiled
 def _unproven(graph: Graph, regions: Regions, bodies: IntArray) -> IntArray:
-    """Return the ``bodies`` that lack a valid proof, shape (k,), because their part of the stack needs a new solve."""
+    """Return the frozen ``bodies`` with changed surroundings and the live loads without a cheap proof, shape (k,)."""
     table = graph.bodies
     found = np.empty(len(bodies), np.int64)
     n = 0
@@ -169,17 +170,17 @@ def settle_safely(
     limits: Limits,
     found: IntArray,
 ) -> tuple[int, int, int]:
-    """Settle the frame by cheap proofs; leave the end of the frame to the caller if a candidate stays undecided.
+    """Settle the frame by cheap proofs, but leave ``finish`` to the caller if a candidate stays undecided.
 
-    The cost is O(1) per body on the worklist, independent of the number of frozen bodies. ADR-0002 gives the reason for
-    the separate array arguments.
+    If no candidate stays undecided, the cost is O(1) per body on the worklist and per changed body. ADR-0002 gives the
+    reason for the separate array arguments.
 
     Returns:
         Numbers of bodies written to the rows of ``found``, shape (3, bodies):
 
         - SAFE: frozen bodies;
         - LEFT: undecided candidates, which need a joint solve;
-        - UNSOLVED: bodies whose part of the stack needs a new solve; valid if no body is LEFT.
+        - UNSOLVED: bodies whose part of the stack needs a new solve, or 0 if a body is LEFT.
     """
     graph = Graph(bodies, patches, spare, changed)
     buffers = FrameBuffers(contacts, sizes, latest, clock, worklist)

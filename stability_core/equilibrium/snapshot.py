@@ -43,17 +43,18 @@ class Equilibrium:
     - ``doubt``: the search proves neither, or the forces do not arise from zero load.
     """
     residual: float
-    """Largest imbalance of a body, relative to the largest force on the body. A moment counts over the body's size."""
+    """Largest imbalance of a body, relative to the largest force on the body. A moment counts over the body's size, and
+    for a rolling body only beyond its slack (see ``faces``)."""
     forces: FloatArray | None
-    """Force [N] on ``body_b`` of each contact, shape (n, 3); the opposite force acts on ``body_a``. None if the verdict
+    """Force [N] on ``body_b`` of each contact, shape (n, 3). The opposite force acts on ``body_a``. None if the verdict
     is ``unstable``, or if the search finds no forces."""
     mechanism: FloatArray | None
     """Virtual velocity [m/s] and angular velocity [rad/s] of each body, shape (m, 6), in the order of the masses.
     With z up, the greatest component of the scaled motion is 1 m/s, where an angular velocity counts times the size of
     its body. None unless the verdict is ``unstable``."""
     in_doubt: BoolArray
-    """Mask of the bodies that loading from zero does not hold, or for which no proof exists, shape (m,); all False
-    unless the verdict is ``doubt``."""
+    """Mask of the bodies that loading from zero does not hold, or for which no proof exists, shape (m,). The mask is
+    False for all bodies unless the verdict is ``doubt``."""
 
     @property
     def stable(self) -> bool:
@@ -86,8 +87,12 @@ def solve_equilibrium(contacts: Contacts, masses: Masses, gravity: Sequence[floa
         gravity: gravity vector [m/s2], in any direction.
 
     Raises:
-        ValueError: for malformed contacts or masses; for normals at the ground that all point from b to a; for
-            gravity that is zero or not finite. The message names the field and the row.
+        ValueError: in one of these cases:
+
+            - the contacts or masses are malformed, or a mass is infinite;
+            - a contact names a body that ``masses`` does not list, or ``masses`` lists a body twice;
+            - the normals of all contacts with the ground point from b to a;
+            - gravity is zero, or not a finite vector.
     """
     index_a, index_b = _checked(contacts, masses)
     down = np.asarray(gravity, np.float64)
@@ -149,12 +154,12 @@ def _checked(contacts: Contacts, masses: Masses) -> tuple[IntArray, IntArray]:
 
 
 def _refuse_flipped(contacts: Contacts, masses: Masses, index_a: IntArray, index_b: IntArray, up: FloatArray) -> None:
-    """Check that the normals point from a to b.
+    """Check that the normals of the contacts with the ground do not all point from b to a.
 
     With flipped normals, the ground would pull all bodies down.
 
     Raises:
-        ValueError: if the normals of all contacts with the ground point from b to a; the message names one contact.
+        ValueError: if the normals of all contacts with the ground point from b to a. The message names one contact.
     """
     rows = np.flatnonzero((index_a < 0) | (index_b < 0))
     sign = np.where(index_a[rows] < 0, 1.0, -1.0)
@@ -166,7 +171,7 @@ def _refuse_flipped(contacts: Contacts, masses: Masses, index_a: IntArray, index
 
 
 def _sizes(contacts: Contacts, masses: Masses, index_a: IntArray, index_b: IntArray) -> FloatArray:
-    """Return the size of each body [m], which is its longest lever, then infinity for the ground, shape (n + 1,)."""
+    """Return the longest lever of each body [m], 1 m without contacts, then infinity for the ground, shape (n + 1,)."""
     size = np.zeros(len(masses.body) + 1)
     for index in (index_a, index_b):
         moves = index >= 0

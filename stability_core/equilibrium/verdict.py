@@ -48,10 +48,10 @@ LESS_FRICTION = 0.9
 with this friction. Reason: with the true friction mu = 0.8, loading held two kinds of courses of touching bricks, which
 fell in two of three engines."""
 FEW = 0.25
-"""Greatest fraction of the bodies in a test for a fall with neighbours, because a larger test would cost as much as the
-steps of the correction."""
+"""Greatest fraction of the bodies in a test for a fall with neighbours. A larger test would cost as much as the steps
+of the correction."""
 MOVES = 1e-2
-"""Ratio of a body's unbalanced force to the largest unbalanced force, below which the body takes no part in a
+"""Ratio of a body's unbalanced force to the largest unbalanced force, up to which the body takes no part in a
 mechanism."""
 
 
@@ -88,17 +88,18 @@ def decide(
         problem: n bodies and m contacts, z up.
         level: mask of the load-bearing contacts, shape (m,).
         start: forces that nearly hold the bodies [N], shape (m, 3), or None.
-        changed: mask of the bodies that are new, have moved, or have lost a neighbour since the last proof, shape (n,);
-            None for all bodies.
-        displacement: start of loading, shape (3, n, 6); None for zero. Loading overwrites the start (see ``loading``).
+        changed: mask (n,) of the bodies that are new, moved or lost a neighbour since the last proof, or None for all
+            bodies.
+        displacement: start of loading, shape (3, n, 6), or None for zero. Loading overwrites the start (see
+            ``loading.needs_prestress``).
 
     Returns:
         Four values:
 
         - the verdict;
-        - the forces that hold the bodies, or nearly hold "unstable" bodies, shape (m, 3); None without forces;
-        - a motion, shape (n, 6), other than zero for bodies that fall or that loading does not hold (see
-          ``takes_part``);
+        - the forces that hold the bodies, or nearly hold "unstable" bodies, shape (m, 3), or None without forces;
+        - the motion of "unstable" bodies, a mask of bodies that loading does not hold, or else the unbalanced rest,
+          shape (n, 6);
         - the greatest imbalance of a body relative to the largest force on it.
     """
     if start is None:
@@ -130,7 +131,7 @@ def decide(
 
 
 def _passed_down(problem: Problem, level: BoolArray) -> Answer | None:
-    """Return the proof that vertical forces on load-bearing contacts hold all bodies; None if the sweep fails.
+    """Return the proof that vertical forces on load-bearing contacts hold all bodies, or None if the sweep fails.
 
     Vertical forces arise by themselves, because each body presses on its supports.
     """
@@ -145,7 +146,7 @@ def _passed_down(problem: Problem, level: BoolArray) -> Answer | None:
 
 
 def _falls_with_neighbours(problem: Problem, changed: BoolArray) -> Answer | None:
-    """Return the proof that the ``changed`` bodies, a mask (n,), fall with nearby bodies; None without a proof."""
+    """Return the proof that the ``changed`` bodies, a mask (n,), fall with nearby bodies, or None without a proof."""
     moves = changed
     while True:
         more = with_neighbours(problem, moves)
@@ -158,7 +159,7 @@ def _falls_with_neighbours(problem: Problem, changed: BoolArray) -> Answer | Non
 
 
 def _falls_by_itself(problem: Problem, moves: BoolArray) -> Answer | None:
-    """Return the proof that bodies of the mask ``moves`` (n,) fall between fixed bodies; None without a proof."""
+    """Return the proof that bodies of the mask ``moves`` (n,) fall between fixed bodies, or None without a proof."""
     if moves.all() or not moves.any():
         return None
     part, theirs = held_by_the_rest(problem, moves)
@@ -175,7 +176,7 @@ def _falls_by_itself(problem: Problem, moves: BoolArray) -> Answer | None:
 
 
 def _is_vertical(load: FloatArray) -> bool:
-    """Return True if vertical forces alone can balance every load (n, 6)."""
+    """Return True if each ``load`` (n, 6) has no components other than those of vertical forces: F_z, M_x, M_y."""
     return not load[:, OTHER_ROWS].any()
 
 

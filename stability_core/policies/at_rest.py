@@ -29,7 +29,7 @@ def _is_held(graph: Graph, body: int) -> bool:
 
 @compiled
 def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits) -> IntArray:
-    """Freeze all bodies at rest; return the frozen bodies that lost all their supports and leaning contacts."""
+    """Freeze all bodies at rest, and return the frozen bodies that lost all their supports and leaning contacts."""
     lay_due(graph, buffers, limits)
     for body in listed(buffers, AT_REST):
         graph.bodies[body].state = FROZEN
@@ -51,6 +51,6 @@ class AtRest(Policy):
     judges_statics = False
 
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
-        """Freeze every body at rest; report bodies without supports as unbalanced: O(changes)."""
+        """Freeze every body at rest, and find frozen bodies without supports and leaning contacts: O(changes)."""
         floating = _settle(graph, buffers, self.limits)
         return Decision(dict.fromkeys(listed(buffers, AT_REST).tolist(), "at rest"), floating)

@@ -20,11 +20,11 @@ class Decision(NamedTuple):
     """A policy's decision on one frame."""
 
     frozen: dict[int, str]
-    """The bodies that join the stack, each with the reason. The policy has marked these bodies as FROZEN."""
+    """Rows of the bodies that join the stack, each with the reason. The policy has marked these bodies as FROZEN."""
     unbalanced: IntArray
-    """The frozen bodies that no longer balance, shape (k,)."""
+    """Rows of the frozen bodies that no longer balance, shape (k,)."""
     deferred: IntArray = NOBODY
-    """Live bodies for which the budget did not suffice, shape (m,); the next frame judges these bodies."""
+    """Rows of the live candidates beyond the budget, shape (m,). The next frame lists these bodies again."""
 
 
 class Policy(ABC):
@@ -52,8 +52,9 @@ class Policy(ABC):
     def set_gravity(self, gravity: float) -> None:
         """Set the strength of gravity [m/s2], after a change of its strength or its direction.
 
-        Before this call, the core turns the graph so that z is up, and lists every frozen body as changed. A policy
-        that keeps proofs or forces must delete both here, because they are invalid under the new gravity.
+        If gravity changes between updates, the core first turns the graph so that z is up, and lists every frozen body
+        as changed. A policy that keeps proofs or forces must delete both here, because they are invalid under the new
+        gravity.
         """
         self.gravity = gravity
         self.limits = self.settings.limits(gravity)

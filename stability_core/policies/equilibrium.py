@@ -6,7 +6,7 @@ remaining bodies are leaning bodies, counterweights, and bodies that lost a supp
 the motion in which the bodies fall. Bodies that move in the mechanism stay live or unfreeze.
 
 A proof covers frozen bodies, not live loads. A change of mass, normal or neighbour invalidates the proof of a body.
-Therefore the departure of a live load invalidates no proof. The stack bears a new live load if the
+Therefore the departure of a live load invalidates no proof. The stack bears a new live load without a solve if the
 load lies in a safe region.
 
 A body in doubt (see ``verdict``) has no proof. The body freezes only after the engine has held the body in place for
@@ -60,11 +60,12 @@ TOGETHER = 12
 """Greatest number of candidates in a joint solve within a budget. In a pile few bodies hold each other, and a solve of
 fifty bodies that lean on each other takes 0.5 s."""
 DEAR = 16
-"""Number of bodies above which a solve is expensive. If an expensive solve leaves bodies in doubt, the policy judges
-these bodies again only after ``doubt_s``, even if their surroundings change earlier."""
+"""Number of bodies above which a solve is expensive. If an expensive solve leaves bodies in doubt, ``update``
+judges these bodies again only after ``doubt_s``, even if their surroundings change earlier."""
 FEW_TOGETHER = 16
 """Greatest number of bodies in a joint solve of live bodies with the stack below them, to bound the cost of a frame.
-The limit is ``FEW_BODIES`` if all contacts of the live bodies are load-bearing, because their solve is cheap."""
+The limit is ``FEW_BODIES`` if all contacts of the live bodies are load-bearing, because their solve is cheap, or if
+``load_error`` is finite."""
 FEW_BODIES = 64
 """Greatest number of bodies for which the policy solves a whole part of the stack, if a solve of the affected bodies
 decides nothing. The limit bounds the cost of a frame."""
@@ -77,7 +78,7 @@ def _chosen(ids: IntArray, among: BoolArray) -> IntArray:
 
 
 def _together(first: IntArray, second: IntArray) -> IntArray:
-    """Return the union of two lists of bodies, by rising id, shape (k,)."""
+    """Return the union of two lists of bodies, by rising row, shape (k,)."""
     both: IntArray = np.union1d(first, second)
     return both
 
@@ -111,7 +112,7 @@ class Equilibrium(Policy):
         """Start of the search for the loads of live bodies, by body."""
 
     def set_gravity(self, gravity: float) -> None:
-        """Forget proofs, regions and forces.
+        """Set gravity, and forget proofs, regions and forces.
 
         The next frame judges without hysteresis, so that bodies unfreeze at the angle at which they slide or
         topple. The contacts of frozen bodies do not change while gravity turns. Therefore hysteresis is not necessary.
@@ -123,9 +124,7 @@ class Equilibrium(Policy):
         self._sag[:] = 0.0
 
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
-        """Freeze the bodies in safe regions by one compiled call; then freeze other candidates that stand together.
-
-        Also report the frozen bodies that fall.
+        """Freeze bodies in safe regions and other candidates that stand together, and find the frozen bodies that fall.
 
         While safe regions decide, the cost is O(1) per changed body. Otherwise the cost is some solves of the affected
         bodies. The solves start from the latest forces.
@@ -207,7 +206,8 @@ class Equilibrium(Policy):
     def _parts(self, graph: Graph, seeds: IntArray, members: IntArray) -> Iterator[tuple[IntArray, bool]]:
         """Yield the bodies to solve for the ``seeds``, and True if these bodies are the whole part of the stack.
 
-        The method first yields the bodies that bear the seeds, then the whole part, if the part is small.
+        The method first yields the bodies that bear the seeds, then the whole part, if the part has at most
+        ``FEW_BODIES`` bodies.
         """
         near = bearing(graph, self._memory, seeds, members, self.gravity)
         whole = component(graph, seeds, members)
@@ -278,12 +278,12 @@ class Equilibrium(Policy):
         return group[:0], "", group[:0]
 
     def _unbalanced(self, graph: Graph, buffers: FrameBuffers, unproven: IntArray) -> IntArray:
-        """Return the frozen bodies that move in the mechanism of an unbalanced part of the stack.
+        """Return the frozen bodies that must unfreeze, because of the bodies without a valid proof, ``unproven`` (k,).
 
         - A stack that stands with a live load gets no proof, because the stack may fall without the load.
         - A body in doubt unfreezes at any change around the body.
-        - The method judges each part of the stack separately, because an uncertain live load on one part must not
-          hide the fall of another part.
+        - The method judges each part of the stack separately, so that an uncertain live load does not hide the fall of
+          another part.
         """
         in_doubt = graph.bodies["doubt"][unproven] != PROVEN
         falls: IntArray = unproven[in_doubt]
@@ -295,7 +295,11 @@ class Equilibrium(Policy):
         return falls
 
     def _unbalanced_in_part(self, graph: Graph, buffers: FrameBuffers, seeds: IntArray) -> IntArray:
-        """Return the unbalanced frozen bodies of the part of the stack that contains all ``seeds``, shape (k,)."""
+        """Return the unbalanced frozen bodies of the part of the stack that contains all ``seeds``, shape (k,).
+
+        If the part is too large for a joint solve, and no proof shows which bodies fall, all ``seeds`` count as
+        unbalanced.
+        """
         for ids, is_whole in self._parts(graph, seeds, seeds[:0]):
             goes = self._falls(graph, buffers, ids, seeds, AS_BEFORE)
             if is_whole or len(goes) == 0:

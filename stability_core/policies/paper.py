@@ -4,7 +4,8 @@ C_stack is the common centre of mass of a body and its loads.
 
 - Flat test: a vertical ray from C_stack must hit the combined contact area.
 - Leaning test: a test for bodies that do not lie flat (see ``leaning``).
-- Overall test: the test that froze the body, repeated with all later loads.
+- Overall test: the test that froze the body, repeated with all later loads. The flat test then has a tolerance,
+  ``wake_margin``.
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ def leans_on_stack(graph: Graph, body: int) -> bool:
 
 @compiled
 def pass_flat_test(graph: Graph, candidates: IntArray) -> IntArray:
-    """Freeze the ``candidates`` that pass the flat test; return the frozen bodies, shape (k,).
+    """Freeze the ``candidates`` that pass the flat test, and return the frozen bodies, shape (k,).
 
     Pass the candidates lowest first, because the function must decide about the supports of a candidate before the
     candidate.
@@ -70,7 +71,7 @@ def pass_flat_test(graph: Graph, candidates: IntArray) -> IntArray:
 
 @compiled
 def pass_leaning_test(graph: Graph, candidates: IntArray, gravity: float, flat_width: float) -> IntArray:
-    """Freeze the live ``candidates`` that do not lie flat and pass the leaning test; return these (k,) bodies.
+    """Freeze the live ``candidates`` that do not lie flat and pass the leaning test, and return these (k,) bodies.
 
     Bodies that lean on each other, such as the planks of an inverted V, pass together or not at all.
     """
@@ -153,7 +154,7 @@ class Paper(Policy):
     name = "paper"
 
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
-        """Run the flat test, then the leaning test; update the stack data; then run the overall test.
+        """Run the flat test and the leaning test, update the stack data, and run the overall test.
 
         Equations 1 to 5 of the paper give the stack data. The cost is O(k log k) for the k bodies with a changed load.
         """

@@ -12,7 +12,7 @@ mass:
   atan(mu), with the friction coefficient mu of the contact on which a body stands.
 - A body lies inside the pile if it stands on the ground, or on frozen bodies at points below the roof.
 - A body inside the pile freezes once it is at rest, as in every policy, unless the body touches a moving live body.
-- A body unfreezes after an impact, as in every policy, and when it has lost a support.
+- A body unfreezes after an impact, as in every policy, when it has lost a support, and when gravity changes.
 
 The policy does not test balance, because inside a pile the neighbours hold bodies that would tip. With the default
 angle, at most the lowest planks of a tower freeze, because a tower is steeper than a pile with its friction.
@@ -57,7 +57,7 @@ def _beside_movers(graph: Graph, buffers: FrameBuffers, candidates: IntArray, li
 
 @compiled
 def _pile_with(graph: Graph, root: int) -> IntArray:
-    """Return ``root`` and all frozen bodies that contacts join to ``root``, directly or indirectly: O(pile)."""
+    """Return ``root`` and all frozen bodies that contacts join to ``root``, directly or indirectly, shape (k,)."""
     reached = np.zeros(len(graph.bodies), np.bool_)
     pile = np.empty(len(graph.bodies), np.int64)
     pile[0], size, done = root, 1, 0
@@ -102,7 +102,7 @@ def _lies_inside(graph: Graph, body: int, base: FloatArray, repose: float) -> bo
         graph: the stack.
         body: the body.
         base: hull of the pile's contact points on the ground [m], shape (k, 3).
-        repose: angle of repose [rad]; 0 for the angle of friction of each contact.
+        repose: angle of repose [rad], or 0 for the angle of friction of each contact.
     """
     stands = False
     at = graph.bodies[body].first_support
@@ -133,7 +133,7 @@ def _count_supports(graph: Graph, body: int) -> int:
 
 @compiled
 def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits, supports: IntArray) -> tuple[IntArray, IntArray]:
-    """Settle one frame; return the newly frozen bodies, and the frozen bodies that lost a support.
+    """Settle one frame, and return the newly frozen bodies, and the frozen bodies that lost a support.
 
     The cost is O(pile) per candidate.
 
@@ -141,7 +141,7 @@ def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits, supports: IntAr
         graph: the stack.
         buffers: the worklist.
         limits: the settings.
-        supports: number of contact areas below each body at its freeze, shape (bodies,). The function updates
+        supports: number of load-bearing patches below each body at its freeze, shape (bodies,). The function updates
             the numbers of newly frozen bodies.
     """
     lay_due(graph, buffers, limits)
@@ -188,7 +188,7 @@ class Pile(Policy):
         self._supports[:] = np.iinfo(np.int64).max
 
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
-        """Freeze bodies inside their piles, lowest first; report bodies that lost a support: O(pile) per candidate."""
+        """Freeze bodies inside their piles, and find frozen bodies that lost a support: O(pile) per candidate."""
         if len(graph.bodies) > len(self._supports):
             self._supports = np.concatenate(
                 (self._supports, np.zeros(len(graph.bodies) - len(self._supports), np.int64))

@@ -38,7 +38,7 @@ supports whose levers are all zero, and changes other shares by about 1e-9 of th
 
 @compiled
 def _lever(center: FloatArray, own: FloatArray, other: FloatArray) -> float:
-    """Return |(center - own) . (own - other)| / |own - other|^2 in plan; zero if both contacts have the same place."""
+    """Return |(center - own) . (own - other)| / |own - other|^2 in plan, or zero if own and other coincide."""
     along_x, along_y = own[0] - other[0], own[1] - other[1]
     squared = along_x**2 + along_y**2
     if squared == 0.0:
@@ -50,9 +50,11 @@ def _lever(center: FloatArray, own: FloatArray, other: FloatArray) -> float:
 def lever_shares(center: FloatArray, contacts: FloatArray) -> FloatArray:
     """Return the shares (k,) of a load at ``center`` (3,) on supports with contact centres ``contacts`` (k, 3).
 
-    The shares s satisfy the lever equations L s = 0, and sum to 1^T s = 1, with the vector 1 of ones. The normal
-    equations of both conditions are (L^T L + 1 1^T) s = 1. Gaussian elimination needs no pivoting, because the matrix
-    is positive definite. The shares are not negative, because the off-diagonal entries of L^T L are not positive.
+    One support bears the whole load, and two supports bear the load by their levers. For more supports, the shares s
+    are the least-squares solution of the lever equations L s = 0 and of the sum 1^T s = 1. Here 1 is the vector of
+    ones. The normal equations are (L^T L + 1 1^T) s = 1, besides the ridge ``RIDGE``. Gaussian elimination needs no
+    pivoting, because the matrix is positive definite. The shares are not negative, because the off-diagonal entries of
+    L^T L are not positive.
     """
     k = len(contacts)
     if k < 2:
@@ -113,7 +115,7 @@ def _add_shares(graph: Graph, upper: int, borne: FloatArray) -> None:
 
 @compiled
 def _downward(graph: Graph, changed: IntArray) -> IntArray:
-    """Return the ``changed`` bodies and all lower bodies, each body before its supports, shape (k,): O(k).
+    """Return the ``changed`` bodies and all lower bodies, each body before its supports, shape (k,).
 
     The order is the reverse postorder of a depth-first search from each changed body.
     """
@@ -142,10 +144,10 @@ def _downward(graph: Graph, changed: IntArray) -> IntArray:
 
 @compiled
 def carry_down_by_levers(graph: Graph, changed: IntArray) -> IntArray:
-    """Carry mass and centre down from the ``changed`` bodies; return all affected bodies, shape (k,).
+    """Carry mass and centre down from the ``changed`` bodies, and return all affected bodies, shape (k,).
 
     A body takes the shares of all bodies on it, including unchanged bodies. The cost is O(k) for the k affected bodies
-    and the loads on them.
+    and the loads on them, besides arrays with an entry for each row of the table.
     """
     bodies, patches = graph.bodies, graph.patches
     affected = _downward(graph, changed)
@@ -173,7 +175,7 @@ def carry_down_by_levers(graph: Graph, changed: IntArray) -> IntArray:
 
 @compiled
 def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits) -> tuple[IntArray, IntArray]:
-    """Settle one frame; return the bodies that passed the flat test, and the bodies that failed the overall test."""
+    """Settle one frame, and return the bodies that passed the flat test and the bodies that failed the overall test."""
     lay_due(graph, buffers, limits)
     affected = carry_down_by_levers(graph, take_changed(graph))
     flat = pass_flat_test(graph, lowest_first(graph, listed(buffers, AT_REST)))
@@ -188,6 +190,6 @@ class StackingTree(Policy):
     name = "stacking_tree"
 
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
-        """Run the flat test; update the stack data; then run the overall test: O(k) for k affected bodies."""
+        """Run the flat test, update the stack data, and run the overall test: O(k log k) for k affected bodies."""
         flat, unbalanced = _settle(graph, buffers, self.limits)
         return Decision(dict.fromkeys(flat.tolist(), "flat"), unbalanced)
