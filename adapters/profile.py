@@ -44,7 +44,7 @@ class Knob:
 
 @dataclass(frozen=True, slots=True)
 class Profile:
-    """Settings of an engine: ``default`` as shipped, ``game`` at low cost, ``tuned`` for the best results."""
+    """Settings of an engine, such as ``default`` as shipped, ``game`` at low cost, ``tuned`` for the best results."""
 
     name: str
     description: str
@@ -57,7 +57,7 @@ class Profile:
     scale: float = 1.0
     """Ratio of lengths in the engine's world to lengths in the scene: see ``adapters.scaled``."""
     offset: float = 0.0
-    """Distance [m] along x from the origin of the engine's world to the scene's origin: see ``adapters.scaled``."""
+    """Distance [m], in the scene's lengths, along x from the origin of the engine's world to the scene's origin."""
     forces: bool = True
     """True to report the engine's contact forces in ``Contacts.force``, if the engine has forces. If False,
     ``Contacts.force`` is None."""
@@ -79,7 +79,7 @@ class Profile:
         )
 
     def fitted_to(self, expected: Sequence[Brick]) -> Profile:
-        """Return the profile with the lengths that suit small bricks, if all expected bricks are small."""
+        """Return the profile with lengths that suit small bricks if all expected bricks are small, else unchanged."""
         plank = PLANK_SIZE * self.scale
         size = max((math.hypot(*brick.size) for brick in expected), default=plank) / plank
         return self if size > MAX_SMALL_SIZE else self.with_lengths_times(REACH_OF_SMALL * size)
@@ -87,11 +87,9 @@ class Profile:
 
 @dataclass(frozen=True, slots=True)
 class Capabilities:
-    """The adapter's description of the data that an engine's API provides: source of the table Engine capabilities.
+    """The adapter's description of an engine: its contact data, mechanisms, shapes and coefficients.
 
-    The conformance checks measure ``near_contacts``, ``separation``, ``forces``, ``ridge_normal``, ``planar`` and, in
-    one process, ``deterministic``. All other fields describe mechanisms, and the checks measure the effects of these
-    mechanisms.
+    The fields are the source of the table Engine capabilities.
     """
 
     contact_points: str
@@ -117,7 +115,8 @@ class Capabilities:
     """Scope in which equal runs give equal bits: "across processes", "within a process" or "no"."""
     ridge_normal: str = "face"
     """Normal where two bricks touch edge on edge: "face" for the normal of a brick's face; "edge" for the normal across
-    both edges, as between ideal bricks. With "face" a V holds only if its planks are steeper than 90 deg - atan(mu)."""
+    both edges, as between ideal bricks. With "face" an inverted V of two planks holds only if its planks are steeper
+    than 90 deg - atan(coefficient of friction)."""
     planar: bool = False
     """True for a 2-D engine, which runs planar scenes only."""
     shapes: tuple[str, ...] = ("box",)
