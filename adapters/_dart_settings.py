@@ -83,7 +83,7 @@ def _set_fields(options: Any, fields: Mapping[str, str], knobs: Mapping[str, Kno
 def _mass_in_planks(bricks: Sequence[Brick]) -> float:
     """Return the factor on the impulse tolerances: the ratio of a reference mass to the mass of a plank.
 
-    The reference mass is the mass of
+    The function ignores moved bricks. The reference mass is the mass of
 
     - the lightest expected brick, if all expected bricks are heavier than a plank. With the tolerance of planks of 12
       g, 1e-7 N s, the solver exhausts its iterations on blocks of 4 kg, and the dense solver starts;

@@ -29,8 +29,8 @@ Traps:
   own seed of the generator before a step, and stores the new seed after the step.
 - As shipped, ODE pushes points apart until they no longer touch (``ContactSurfaceLayer`` 0), and the bodies then fall
   back.
-- A state that is not finite ends the process by an assertion. If the square of a position, speed or spin is not
-  finite in single precision, the adapter makes no step and reports poses as NaN.
+- A state that is not finite ends the process by an assertion. If a position [m], speed [m/s] or spin [rad/s] of a live
+  body reaches 1e12, the adapter makes no further step and reports states as NaN.
 - The engine's own sleep does not end when the host removes a support.
 - The default friction (without ``dContactApprox1``) has a force [N] as its bound, not a multiple of the normal force.
 """
@@ -80,7 +80,7 @@ class OdeSimulation(SubstepSimulation):
 
     @classmethod
     def check_installed(cls) -> None:
-        """Raise ``ImportError`` if no library of ODE is installed."""
+        """Raise ``ImportError`` if no usable library of ODE is installed."""
         importlib.import_module("adapters._ode_library")
 
     def _open(self) -> None:

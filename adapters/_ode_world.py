@@ -111,7 +111,7 @@ class OdeWorld:
         """Make one step, unless the world has diverged, because ODE would then end the process.
 
         Args:
-            seconds: length of the step.
+            seconds: length of the step [s].
             feedback: True if ODE must record contact forces.
         """
         if self._diverges():
@@ -124,13 +124,16 @@ class OdeWorld:
         lib.dJointGroupEmpty(self._joints)
 
     def contacts_now(self) -> ContactFinder:
-        """Return the contacts at the present poses, without a step."""
+        """Return the contacts at the present poses, without a step; the previous result if the world has diverged."""
         if not self._diverges():
             self._now.find(self._space, self._is_live, self._lowest)
         return self._now
 
     def states(self, bodies: IntArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Return positions [m], quaternions (w, x, y, z), velocities [m/s] and spins [rad/s] of bodies (k,)."""
+        """Return positions [m], quaternions (w, x, y, z), velocities [m/s] and spins [rad/s] of bodies (k,).
+
+        All values are NaN if the world has diverged.
+        """
         states = [self._states[body] for body in bodies.tolist()]
         rows = np.concatenate(states).astype(np.float64).reshape(-1, _STATE) if states else np.empty((0, _STATE))
         if self.has_diverged:
@@ -177,13 +180,17 @@ class OdeWorld:
 
 
 def _state_of(handle: int) -> npt.NDArray[Any]:
-    """Return a view of a body's state in ODE's own memory, shape (28,)."""
+    """Return a view of a body's state in ODE's own memory, shape (28,).
+
+    Raises:
+        ImportError: if the library has another memory layout.
+    """
     start = lib.dBodyGetPosition(handle)
     parts = (lib.dBodyGetQuaternion, lib.dBodyGetLinearVel, lib.dBodyGetAngularVel)
     places = [(part(handle) - start) // REAL.itemsize for part in parts]
     if places != [part.start for part in (_QUATERNION, _LINEAR, _ANGULAR)]:
         raise ImportError(
-            f"ODE must have a body's state at the places 16, 20 and 24, got {places}; install the version of panda3d "
-            "in uv.lock"
+            f"ODE must have a body's state at the places 16, 20 and 24, got {places}; install libode.so.8, or the "
+            "version of panda3d in uv.lock (uv sync --group ode)"
         )
     return reals_at(start, _STATE)

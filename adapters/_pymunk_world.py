@@ -30,9 +30,9 @@ class PymunkWorld:
         for setting, value in profile.values.items():
             setattr(self.space, setting, value)
         self.bodies: dict[int, pymunk.Body] = {}
-        """Chipmunk's object of each body, without the ground and the fixed boxes."""
+        """Chipmunk's object of each body, without the ground and the fixed bodies."""
         self.fixed_rows = 1 + len(world.fixed)
-        """Number of rows of the ground and the fixed boxes. These rows come last, so that negative ids select them."""
+        """Number of rows of the ground and the fixed bodies. These rows come last, so that negative ids select them."""
         self.reader = SpaceReader(self.space, self.fixed_rows)
         self.depths = np.full(self.fixed_rows, np.inf)
         """Extents along y [m], by the rows of ``reader``."""
@@ -95,7 +95,7 @@ class PymunkWorld:
         self._new_statics.clear()
 
     def step(self, seconds: float) -> None:
-        """Make one step of ``seconds``."""
+        """Make one step of ``seconds`` [s]."""
         self.space.step(seconds)
         self.reader.note_change()
 

@@ -47,11 +47,11 @@ class RapierWorld:
         self.views: dict[int, rapier3d.RigidBody] = {}
         self.colliders: dict[int, rapier3d.ColliderHandle] = {}
         self.body_of: dict[rapier3d.ColliderHandle, int] = {}
-        """Body, ground or fixed box of each collider."""
+        """Id of the body, the ground or the fixed body of each collider."""
         self.fixed_poses: tuple[FloatArray, FloatArray] = np.empty((0, 3)), np.empty((0, 4))
-        """Positions (k, 3) [m] and quaternions (k, 4) of fixed boxes and ground, by rising id."""
+        """Positions (k, 3) [m] and quaternions (k, 4) of fixed bodies and ground, by rising id."""
         self.turned: set[int] = set()
-        """Cylinders, whose collider is turned in its body, because Rapier's cylinders have their axis along y."""
+        """Ids of the cylinders. Their colliders are turned, because Rapier's cylinders have their axis along y."""
         self._joints: dict[tuple[int, int], rapier3d.ImpulseJointHandle] = {}  # of each joined pair
         self._world = world
         values = profile.values
@@ -129,7 +129,7 @@ class RapierWorld:
         del self.world
 
     def read_knobs(self, names: Iterable[str]) -> dict[str, KnobValue]:
-        """Return the present values of the named knobs that are settings of the world."""
+        """Return the present values of the named knobs that are settings of the world, except ``num_threads``."""
         own = (name for name in names if name not in BODY_KNOBS and name != "num_threads")
         return {name: attrgetter(name)(self.world.integration_parameters) for name in own}
 

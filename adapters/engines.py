@@ -136,7 +136,7 @@ class LibraryEntry:
         """Return the version of the library in use.
 
         Raises:
-            ImportError: if the library is missing, or lacks a function of the adapter.
+            ImportError: if the library is missing, or does not export ODE's functions.
         """
         return str(importlib.import_module(self.library).VERSION)
 

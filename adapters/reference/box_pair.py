@@ -118,10 +118,10 @@ def _widest_edges(
     least: float,
     normal: FloatArray,
 ) -> tuple[int, int, float]:
-    """Return the edges whose cross product separates both boxes by more than ``least`` [m], and the separation.
+    """Return the edges whose cross product separates both boxes most, and the separation [m].
 
-    The edges are -1 if no cross product separates the boxes by more than ``least``. Otherwise the function also writes
-    the normal (3,).
+    If no cross product separates the boxes by more than ``least`` [m], the edges are -1, and the separation is
+    ``least``. Otherwise the function also writes the unit normal (3,) from a to b.
     """
     edge_a, edge_b = -1, -1
     cross = np.empty(3)
