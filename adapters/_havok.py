@@ -1,7 +1,7 @@
 """Havok, compiled to WebAssembly, in Node: npm package ``@babylonjs/havok``, single precision.
 
 Freezing: the adapter stops the body and makes it static. When the adapter makes the body dynamic again, the adapter
-sets the mass and the inertia, and keeps the body active. Havok does not collide static bodies with one another.
+sets the mass and the inertia, and activates the body. Havok does not collide static bodies with one another.
 
 Contacts: each step emits one event per point, with positions and normals at the start of the step. The bridge moves
 positions and normals with the bodies to the poses after the step. Havok guarantees no points at a positive gap, so that

@@ -57,7 +57,12 @@ def list_(
 
 
 def _print_scene(name: str, *, is_judged: bool) -> None:
-    """Print the row of one scene, or the judge's answer about the scene."""
+    """Print the row of one scene, or the judge's answer about the scene.
+
+    Raises:
+        UnknownNameError: if no scenario has this name.
+        StudyError: if the suite cannot build or judge the scene.
+    """
     try:
         scene = build("own_scene", file=name) if is_file(name) else build(name)
         if is_judged:

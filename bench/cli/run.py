@@ -128,7 +128,10 @@ def run(
 
 
 def _viewer(opens: bool, address: str | None) -> str | None:
-    """Return the address of the Rerun viewer, or None without a viewer; open a viewer if ``opens`` is True."""
+    """Return the address of the Rerun viewer, or None without a viewer.
+
+    Without an ``address``, open a viewer if ``opens`` is True.
+    """
     if address is not None:
         require_rerun()
         return address
@@ -163,7 +166,7 @@ def _show_plan(study: Study, folder: Path, fresh: bool, jobs: int) -> None:
 def _run(study: Study, results: Results, outcomes: Outcomes, as_json: bool) -> None:
     """Run the trials that have no record, and write each outcome at once.
 
-    After an interruption, print how to continue.
+    If trials are left, print how to continue. After an interruption, exit with the status of its signal.
     """
     waiting = waiting_trials(study, results.statuses)
     if results.torn:
