@@ -52,7 +52,7 @@ class Box3dWorld:
         self.world = self._opened(world)
 
     def add_fixed(self, body: int, box: Brick) -> None:
-        """Add the ground or a fixed body; ``body`` is its id in contacts."""
+        """Add the ground or a fixed body, with the id ``body`` in contacts."""
         self._add_solid(body, box, lib.b3_staticBody)
 
     def add_live(self, body: int, brick: Brick) -> None:
@@ -192,7 +192,7 @@ def _attach_shape(handle: Any, definition: Any, brick: Brick) -> int:
 
 
 def set_velocity(handle: Any, linear: Vector = _STILL, angular: Vector = _STILL) -> None:
-    """Set the linear [m/s] and angular [rad/s] velocity of a body; the defaults stop the body."""
+    """Set the linear [m/s] and angular [rad/s] velocity of a body. The defaults stop the body."""
     lib.b3Body_SetLinearVelocity(handle, linear)
     lib.b3Body_SetAngularVelocity(handle, angular)
 

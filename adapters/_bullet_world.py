@@ -50,7 +50,7 @@ MAXIMAL_COORDINATES = "useMaximalCoordinates"
 """Knob for the kind of every body, set at its creation: 0 for a multibody, 1 (as without the knob) for a rigid body."""
 HEAVY = 1e6
 """Mass [kg] of a moved body. The mass is large, because PyBullet cannot make a body kinematic. A load of 100 N changes
-the body's speed by 0.4 um/s in a step of 1/240 s, and the adapter sets the speed before each step."""
+the body's speed by 0.4 um/s in a step of 1/240 s. The adapter sets the speed before each step."""
 
 _UNTURNED = (0.0, 0.0, 0.0, 1.0)
 
@@ -88,7 +88,7 @@ class BulletWorld:
         pybullet.setGravity(*gravity, physicsClientId=self.client)
 
     def add_fixed(self, body: int, box: Brick) -> None:
-        """Add the ground or a fixed body; ``body`` is its id in contacts."""
+        """Add the ground or a fixed body, with the id ``body`` in contacts."""
         self.body_of[self._add_solid(box, mass=0.0)] = body
 
     def add_live(self, body: int, brick: Brick) -> None:
@@ -203,7 +203,7 @@ class BulletWorld:
         return handle
 
     def _shape(self, brick: Brick) -> int:
-        """Return the collision shape of a brick; bricks of equal shape and size share one collision shape."""
+        """Return the collision shape of a brick, shared by all bricks of equal shape and size."""
         key = brick.shape, brick.size
         if key not in self._shapes:
             self._shapes[key] = pybullet.createCollisionShape(**_geometry(brick), physicsClientId=self.client)
@@ -236,7 +236,7 @@ def _own_inertia(brick: Brick) -> dict[str, Any]:
 
 
 def _material(brick: Brick, world: World) -> dict[str, float]:
-    """Return the margin of a hull, and the restitution of a brick if it is above 0, as PyBullet's settings."""
+    """Return PyBullet's settings for the margin of a hull and for a restitution above 0."""
     settings = {}
     if isinstance(brick.shape, Polyhedron):
         settings["collisionMargin"] = 0.0  # Bullet would add its margin of 1 mm around the vertices

@@ -1,6 +1,6 @@
 """DART: a skeleton of one shape on a free joint for every brick, and one boxed LCP for the forces of all contacts.
 
-An LCP is a linear complementarity problem; a boxed LCP also has bounds for the unknown forces.
+An LCP is a linear complementarity problem. A boxed LCP also has bounds for the unknown forces.
 
 Mechanisms:
 

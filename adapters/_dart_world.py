@@ -41,7 +41,7 @@ class DartWorld:
         return read_knobs(self.world, self._knobs)
 
     def add_fixed(self, body: int, box: Brick) -> None:
-        """Add the ground or a fixed body; ``body`` is its id in contacts."""
+        """Add the ground or a fixed body, with the id ``body`` in contacts."""
         skeleton = dartpy.dynamics.Skeleton(str(body))
         joint, node = skeleton.createWeldJointAndBodyNodePair()
         self._add_shape(node, box)

@@ -54,7 +54,7 @@ mujoco.set_mju_user_warning(logging.getLogger(__name__).warning)
 
 
 def _knows(knob: str) -> bool:
-    """Return whether a knob of this name may exist; MuJoCo itself rejects an unknown attribute of its XML."""
+    """Return whether a knob of this name may exist. MuJoCo itself rejects an unknown attribute of its XML."""
     return "." in knob or knob in (CONTACT_STEPS, "sleep")
 
 

@@ -19,7 +19,7 @@ from stability_core.ports.mujoco_ghosts import FreeBody
 from stability_core.ports.mujoco_release import HAS_SLEEP, SLEEP_ALLOWED, SLEEP_NEVER, detection_attributes
 
 CONTACT_STEPS = "contact_steps"
-"""Knob for the time constant of contacts [steps]; MuJoCo's ``solref`` has this constant in seconds."""
+"""Knob for the time constant of contacts [steps]. MuJoCo's ``solref`` has this constant in seconds."""
 
 _COLLIDES = 'contype="1" conaffinity="1"'
 HEAVY = 1e3
@@ -30,7 +30,7 @@ so that no load shifts the body."""
 _STILL, _LIVE, _MOVED = (np.array(masks)[:, None] for masks in ((1, 1), (3, 1), (0, 2)))
 """Collision masks (``contype``, ``conaffinity``) of a ghost, a live brick and a moved body, for one geom.
 
-Two geoms collide if the type of one geom and the affinity of the other share a bit, so that moved bodies collide with
+Two geoms collide if the type of one geom and the affinity of the other share a bit. Therefore moved bodies collide with
 live bricks only."""
 
 

@@ -59,7 +59,7 @@ lib, _origin = _opened()
 lib.dGetConfiguration.restype = ctypes.c_char_p
 _is_double = b"ODE_double_precision" in lib.dGetConfiguration()
 VERSION = f"{_origin}, {'double' if _is_double else 'single'} precision"
-"""Origin and precision of the library; ODE does not report its own version."""
+"""Origin and precision of the library, because ODE does not report its own version."""
 
 REAL = np.dtype(np.float64 if _is_double else np.float32)
 """Type of ODE's numbers (``dReal``)."""

@@ -49,7 +49,7 @@ class OdeWorld:
         self.set_gravity(world.gravity)
 
     def add_fixed(self, body: int, box: Brick) -> None:
-        """Add the ground or a fixed box; ``body`` is its id in contacts."""
+        """Add the ground or a fixed box, with the id ``body`` in contacts."""
         geom = self._add_geom(body, box)
         lib.dGeomSetPosition(geom, *box.position)
         lib.dGeomSetQuaternion(geom, QUATERNION(*box.quaternion))
@@ -79,13 +79,13 @@ class OdeWorld:
         self.set_velocity(body)
 
     def set_velocity(self, body: int, linear: Vector = NO_VELOCITY, angular: Vector = NO_VELOCITY) -> None:
-        """Set the linear [m/s] and angular [rad/s] velocity of a body; the defaults stop the body."""
+        """Set the linear [m/s] and angular [rad/s] velocity of a body. The defaults stop the body."""
         handle = self.handles[body]
         lib.dBodySetLinearVel(handle, *linear)
         lib.dBodySetAngularVel(handle, *angular)
 
     def freeze(self, body: int) -> None:
-        """Stop and disable a body; from then on its contacts join the other body to the world."""
+        """Stop and disable a body, so that its contacts join the other body to the world."""
         self.set_velocity(body)
         lib.dBodyDisable(self.handles[body])
         self._is_live[body], self._joined[body] = False, 0
@@ -152,7 +152,7 @@ class OdeWorld:
         lib.dWorldDestroy(self._world)
 
     def _diverges(self) -> bool:
-        """Return True if the world has diverged; the answer for a diverged world stays True."""
+        """Return True if the world diverges now, or has diverged before."""
         live = [self._states[body] for body in np.flatnonzero(self._is_live).tolist()]
         if live and not (np.abs(np.concatenate(live)) < _MOST).all():
             self.has_diverged = True

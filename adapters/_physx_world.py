@@ -58,7 +58,7 @@ class PhysxWorld:
         self.states = BodyStates(self.system, self.components, self.body_of)
 
     def add_fixed(self, body: int, box: Brick) -> None:
-        """Add the ground or a fixed body; ``body`` is its id in contacts."""
+        """Add the ground or a fixed body, with the id ``body`` in contacts."""
         component = physx.PhysxRigidStaticComponent()
         self._add(component, box)
         self.body_of[component] = body

@@ -17,8 +17,8 @@ from stability_core.ports.pymunk_calls import forget_pairs, freeze, halt, unfree
 from stability_core.ports.pymunk_reader import SpaceReader
 
 MIN_GROUND_WIDTH = 20.0
-"""Least width [m] of the ground, so that all scenes but the largest have the same ground. The width matters, because
-Chipmunk clips a brick by the ends of the ground, so that the last bits of all contacts depend on the width."""
+"""Least width [m] of the ground, so that all scenes but the largest have the same ground. Chipmunk clips a brick by the
+ends of the ground. Therefore the last bits of all contacts depend on the width."""
 
 
 class PymunkWorld:
@@ -45,7 +45,7 @@ class PymunkWorld:
         self.space.gravity = planar_gravity(gravity)
 
     def add_fixed(self, body: int, box: Brick) -> None:
-        """Add the ground or a fixed body; ``body`` is its id in contacts."""
+        """Add the ground or a fixed body, with the id ``body`` in contacts."""
         length, depth, height = box.size
         if body == GROUND:
             length, depth = max(length, self._min_ground_width), np.inf
@@ -109,7 +109,7 @@ class PymunkWorld:
         self.bodies[body] = planar
 
     def _add(self, body: int, planar: pymunk.Body, box: Brick, size: Vector) -> None:
-        """Add the engine's body ``planar`` for a brick with the edges ``size`` [m]; ``body`` is its id in contacts."""
+        """Add the engine's body ``planar`` for a brick with edges ``size`` [m], with the id ``body`` in contacts."""
         length, depth, height = size
         planar.position, planar.angle = in_plane(box.position, box.quaternion)
         if box.shape == "sphere":
@@ -129,7 +129,7 @@ class PymunkWorld:
         self.depths[body] = depth
 
     def _longer(self, depths: FloatArray) -> FloatArray:
-        """Return the depths [m] with as many rows as the reader has; a row without a body is infinite."""
+        """Return the depths [m] with as many rows as the reader has, infinite in a row without a body."""
         longer = np.full(self.reader.rows, np.inf)
         bodies = len(depths) - self.fixed_rows
         longer[:bodies] = depths[:bodies]

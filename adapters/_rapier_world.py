@@ -19,7 +19,7 @@ from stability_core.port import FloatArray
 from stability_core.ports.rapier_rotation import settle_rotation
 
 BODY_KNOBS = ("body.can_sleep", "body.activation.linear_threshold", "body.activation.angular_threshold")
-"""Knobs that are settings of each body; all other knobs are settings of the world."""
+"""Knobs that are settings of each body. All other knobs are settings of the world."""
 
 
 VERTICES_OF_A_FACE = 4
@@ -34,7 +34,7 @@ _UNTURNED = (0.0, 0.0, 0.0, 1.0)
 
 
 def knows(knob: str) -> bool:
-    """Return whether a knob of this name may exist; Rapier itself rejects an unknown setting of the world."""
+    """Return whether a knob of this name may exist. Rapier itself rejects an unknown setting of the world."""
     return not knob.startswith("body.") or knob in BODY_KNOBS
 
 
@@ -61,7 +61,7 @@ class RapierWorld:
             self._configure(name, value)
 
     def add_fixed(self, body: int, box: Brick) -> None:
-        """Add the ground or a fixed body; ``body`` is its id in contacts, lower than all earlier ids."""
+        """Add the ground or a fixed body, with the id ``body`` in contacts, lower than all earlier ids."""
         fixed = rapier3d.RigidBody.fixed().position((box.position, scalar_last(box.quaternion)))
         if box.shape == "cylinder":  # which needs a body, in which its collider is turned
             self.turned.add(body)

@@ -2,7 +2,7 @@
 
 Each step alternates two quadratic programs, for impact and for friction, until both agree or the turns are exhausted:
 see ``_staggered_solver``. The engine contains no scene, no sleeping and no policy, and shares no code with the judge
-(``scenarios.statics``), so that its results are independent of the suite. Use the engine for scenes of up to about 50
+(``scenarios.statics``). Therefore its results are independent of the suite. Use the engine for scenes of up to about 50
 bricks, because the engine is slow.
 
 Overlaps: the contacts of a step do not add to an overlap, but rotation and placing cause overlaps. If the deepest

@@ -10,10 +10,10 @@
 The result comes from an impact program, so that nothing penetrates. Both programs are projections, and neither program
 adds kinetic energy. The alternation may fail to converge. The solver then returns the iterate with the least residual.
 
-The matrix D D^T has the diagonal d. The residual of a contact is d times the difference between beta and the projection
-of beta - D w / d on the cone of mu alpha. The residual is zero if and only if the friction obeys Coulomb's law, for the
-alpha of the same impact. See ``_staggered_programs`` for the symbols. The unit is the velocity that gravity adds in a
-step.
+The matrix D D^T has the diagonal d. Let b be the projection of beta - D w / d on the cone of mu alpha. The residual of
+a contact is d times the difference between beta and b. The residual is zero if and only if the friction obeys Coulomb's
+law, for the alpha of the same impact. See ``_staggered_programs`` for the symbols. The unit is the velocity that
+gravity adds in a step.
 
 Source: D. M. Kaufman, S. Sueda, D. L. James, D. K. Pai, "Staggered projections for frictional contact in multibody
 systems", ACM Transactions on Graphics 27(5), 2008. The scheme follows two public implementations, SCISim and

@@ -49,7 +49,7 @@ class Simulation(EngineHooks):
         Args:
             profile: settings of the engine.
             world: friction, restitution, gravity and fixed bodies.
-            sleeping: mode of the engine's own sleeping: off, as shipped, or with its threshold raised.
+            sleeping: mode of the engine's own sleeping: off, on (native), or on with a raised threshold.
             expected: the bricks that the host plans to spawn, for engines that must allocate in advance.
                 An adapter may ignore this list, and must also accept other bricks.
 
@@ -74,7 +74,7 @@ class Simulation(EngineHooks):
         self._port = self.port_type(self)
         self._is_observed = False
         self.own_step_s: float | None = None
-        """Wall time [s] that an engine in a separate process reports for the steps of the latest frame; else None."""
+        """Wall time [s] of the engine's steps in the latest frame; None unless a separate process reports the time."""
         self._open()
 
     @classmethod
@@ -157,9 +157,10 @@ class Simulation(EngineHooks):
             self._push(body, impulse)
 
     def apply_force(self, body: int, force: Vector) -> None:
-        """Set the steady force [N] at a body's centre of mass for all following steps; a force of zero ends it.
+        """Set the steady force [N] at a body's centre of mass for all following steps.
 
-        The force does not affect a moved body. The force affects a frozen body only when the body is live again.
+        A force of zero ends the steady force. The force does not affect a moved body. The force affects a frozen body
+        only when the body is live again.
 
         Raises:
             KeyError: if no body has this id.
@@ -260,7 +261,7 @@ class Simulation(EngineHooks):
     def velocities(self) -> tuple[FloatArray, FloatArray]:
         """Return linear (n, 3) [m/s] and angular (n, 3) [rad/s] velocities, in the order of ``poses``.
 
-        The rows of moved bodies depend on the engine; ``velocities_now`` returns the host's values.
+        The rows of moved bodies depend on the engine. ``velocities_now`` returns the host's values for these bodies.
         """
         return self._velocities(self.bodies.ids())
 

@@ -35,7 +35,7 @@ class EngineHooks(ABC):
     sleep_knobs: ClassVar[Mapping[str, Mapping[str, Knob]]] = {}
     """Knobs added to every profile, by the mode of the engine's own sleeping: off, native or raised."""
     missing_knobs: ClassVar[frozenset[str]] = frozenset()
-    """Knobs of the profile file that the installed release of the engine does not have; no profile contains them."""
+    """Knobs of the profile file that no profile contains, because the installed release does not have them."""
     iterations: ClassVar[str]
     """Name of the knob for the number of solver iterations per step, or for its limit; empty without such a knob."""
 
@@ -47,7 +47,7 @@ class EngineHooks(ABC):
     bodies: Bodies
     pair_friction: PairFriction
     expected: tuple[Brick, ...]
-    """The bricks that the host plans to spawn; the host may spawn other bricks as well."""
+    """The bricks that the host plans to spawn. The host may spawn other bricks as well."""
 
     @staticmethod
     def knows_knob(name: str, /) -> bool:  # noqa: ARG004 - adapters set it to the check of their profile file
@@ -95,7 +95,7 @@ class EngineHooks(ABC):
 
     @abstractmethod
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
-        """Set the pose of a live, frozen or moved body, and stop the body; a frozen body stays frozen."""
+        """Set the pose of a live, frozen or moved body, and stop the body. A frozen body stays frozen."""
 
     # -- actions -----------------------------------------------------------------------------------
 
@@ -129,7 +129,7 @@ class EngineHooks(ABC):
 
     @abstractmethod
     def _step(self, seconds: float) -> None:
-        """Advance the world by one frame of ``seconds``; ``SubstepSimulation`` implements this hook."""
+        """Advance the world by one frame of ``seconds`` [s]. ``SubstepSimulation`` implements this hook."""
 
     def _solver_iterations(self) -> int | None:
         """Return the greatest number of solver iterations of any island in the latest engine step; None if unknown.
@@ -196,10 +196,10 @@ class EngineHooks(ABC):
     def _contacts(self) -> Contacts:
         """Return every contact of the latest step that touches a live body and no removed body.
 
-        The call comes between steps while a body is live, also before the first step, and after a freeze, an unfreeze,
-        a move or a removal. Normals point from a to b. The id of the ground is ``GROUND``, and ``fixed_id`` of
-        ``contact_completion`` returns the id of a fixed body. Unknown values are NaN. The arrays may be views until the
-        next step.
+        The call comes between steps while a body is live. It may come before the first step, and after a freeze, an
+        unfreeze, a move or a removal. Normals point from a to b. The id of the ground is ``GROUND``, and ``fixed_id``
+        of ``contact_completion`` returns the id of a fixed body. Unknown values are NaN. The arrays may be views until
+        the next step.
         """
 
     @abstractmethod

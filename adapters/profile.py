@@ -15,17 +15,17 @@ MAX_SMALL_SIZE = 0.25
 """Greatest ratio of the largest brick's diagonal to a plank's diagonal at which a profile's lengths shrink with the
 bricks. At greater ratios the lengths keep their values for a plank."""
 REACH_OF_SMALL = 0.5
-"""Ratio of a profile's lengths for small bricks to lengths in proportion to the bricks. The value is below 1, because
-PhysX, which detects contacts from a gap of twice 1 mm, held unsupported planks of 0.78 mm between neighbours at 0.2 mm.
-With half of this gap the planks fall. In trials a plank stayed with a ``contact_offset`` of 0.105 mm, and fell with
-0.09 mm.
+"""Ratio of a profile's lengths for small bricks to lengths in proportion to the bricks. PhysX detects contacts from a
+gap of twice 1 mm. In proportion to planks 0.78 mm thick this gap is 0.2 mm. At this gap PhysX held unsupported planks
+between their neighbours. With half of this gap the planks fall. In trials a plank stayed with a ``contact_offset`` of
+0.105 mm, and fell with 0.09 mm.
 """
 
 AS_SHIPPED = "as shipped"
 """Value of ``tuned_by`` for a profile without tuning."""
 
 Sleeping = Literal["off", "native", "raised"]
-"""Modes of the engine's own sleeping: off, as shipped (native), or with a raised threshold."""
+"""Modes of the engine's own sleeping: off, on (native), or on with a raised threshold."""
 
 
 KnobValue: TypeAlias = float | int | str | bool
@@ -124,9 +124,10 @@ class Capabilities:
     other_shapes: str = "its adapter builds no other shapes yet"
     """Reason why the adapter builds no other shapes."""
     own_friction: bool = False
-    """True if bodies may have coefficients of friction of their own, of which a pair has the geometric mean."""
+    """True if bodies may have their own coefficients of friction. A pair has the geometric mean of both
+    coefficients."""
     restitution: bool = False
-    """True if bodies may have coefficients of restitution above 0, of which a pair has the geometric mean."""
+    """True if bodies may have coefficients of restitution above 0. A pair has the geometric mean of both."""
     own_moments: bool = False
     """True if a body may have moments of inertia of its own."""
     weld: str | None = None
@@ -138,7 +139,7 @@ class Capabilities:
 
 @dataclass(frozen=True, slots=True)
 class EngineInfo:
-    """Identity of an engine; every trial records this identity."""
+    """Identity of an engine, for the records of trials."""
 
     engine: str
     version: str

@@ -23,8 +23,8 @@ FACE_PREFERENCE = 1e-5
 """Separation [m] by which a later axis must exceed an earlier axis, so that rounding errors do not change the normal of
 boxes at rest. A box rocks by less between two frames."""
 PARALLEL = 1e-3
-"""Sine of the angle between two edges below which their cross product is not an axis, because the direction of the
-product is then mostly a rounding error."""
+"""Sine of the angle between two edges below which their cross product is not an axis. The direction of the product is
+then mostly a rounding error."""
 SAME_POINT = 1e-6
 """Distance [m] below which two points of a pair are one point."""
 

@@ -69,7 +69,7 @@ class BoxArrays:
         self.velocity[row], self.spin[row], self.force[row] = 0.0, 0.0, 0.0
 
     def place(self, body: int, position: Vector, quaternion: Quaternion) -> None:
-        """Set the pose of a box, and stop the box; a steady force remains."""
+        """Set the pose of a box, and stop the box. A steady force remains."""
         row = body + self.first
         self.position[row], self.quaternion[row] = position, quaternion
         self.velocity[row], self.spin[row] = 0.0, 0.0

@@ -31,7 +31,7 @@ from reports.replays.errors import ExportError
 from scenarios.lookup import UnknownNameError
 
 RESULTS = Path("results")
-"""Default folder for the results of runs; an estimate also reads the earlier results in this folder."""
+"""Default folder for the results of runs. An estimate also reads the earlier results in this folder."""
 _LOG_WIDTH = 110
 for _stream in (sys.stdout, sys.stderr):  # a terminal whose encoding lacks a character shows its code
     if isinstance(_stream, io.TextIOWrapper):

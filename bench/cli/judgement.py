@@ -14,8 +14,8 @@ from scenarios.statics.scene_judge import Judgement, SceneMargins
 MOST_ROWS = 40
 """Greatest number of rows of a printed table. A caption states the number of further rows."""
 MOVES = 1e-3
-"""Greatest component of a brick's virtual velocity, as a share of the greatest of all bricks, up to which the brick
-does not count as moving."""
+"""Ratio of the greatest component of a brick's virtual velocity to the greatest component of all bricks. At or below
+this ratio the brick does not count as moving."""
 
 
 def print_judgement(scene: Scene, console: Console) -> None:

@@ -62,7 +62,7 @@ class Touches(NamedTuple):
 
 @numba.njit(cache=True)
 def _order(count: int, touches: Touches, height: FloatArray, up: FloatArray) -> IntArray:
-    """Return the rows of all bodies, each after the bodies that stand on it; in a circle the highest body comes first.
+    """Return the rows of all bodies, each after the bodies on it, or, in a circle, the highest body first.
 
     A body stands on another if a load-bearing contact of both pushes it up.
     """

@@ -14,8 +14,8 @@ Pair = tuple[int, int]
 def new_joints(candidates: Sequence[Pair], joined: Iterable[Pair]) -> list[Pair]:
     """Return the candidates to join.
 
-    The function chooses every candidate that connects two groups. All other candidates close a loop. The function
-    chooses such a candidate if both bodies have fewer than ``DEGREE`` joints.
+    The function first chooses every candidate that connects two groups. All other candidates close a loop. The function
+    chooses a candidate that closes a loop if both bodies have fewer than ``DEGREE`` joints.
 
     Args:
         candidates: pairs that may be joined, in the order of their preference.

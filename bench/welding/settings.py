@@ -2,8 +2,8 @@
 
 The values are choices of this suite, because the article's values are unknown.
 
-As in the core, the unit of a speed is sqrt(gravity times size), and the size of a body is the distance from its centre
-to its farthest contact point.
+As in the core, the unit of a speed is sqrt(gravity times size). The size of a body is the distance from its centre to
+its farthest contact point.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ next review forward."""
 MAX_RESIDUAL = 0.01
 """Greatest force and moment that a body in equilibrium may lack, as a share of its load, and of load times size.
 
-On a plank of size 60 mm a load 0.6 mm outside the contact area lacks this moment, and engines report contact points to
-0.1 mm."""
+On a plank of size 60 mm a load 0.6 mm outside the contact area lacks this moment. Engines report contact points with an
+accuracy of 0.1 mm."""
 FAILURES = 2
 """Number of reviews in succession that a joined body must fail before it is parted, because engines drop single contact
 points for a frame. The second review follows in the next frame."""
