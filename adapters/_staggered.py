@@ -62,13 +62,16 @@ class StaggeredSimulation(ReferenceSimulation):
 
     def _open(self) -> None:
         if self.info.sleeping != "off":
-            raise NotImplementedError("staggered: this reference engine has no sleeping of its own; use sleeping='off'")
+            raise NotImplementedError(
+                "staggered: this reference engine has no sleeping of its own: use policy 'none', or sleeping='off'"
+            )
         knobs = self.info.profile.values
         self._share = float(knobs["overlap_share"])
         cone = str(knobs["cone"])
         if cone not in CONES:
             raise ValueError(
-                f"staggered: the knob 'cone' must be one of {', '.join(CONES)}, got {cone!r}: correct the profile"
+                f"staggered: the knob 'cone' must be one of {', '.join(CONES)}, got {cone!r}: correct the profile "
+                f"'{self.info.profile.name}'"
             )
         self._solver = StaggeredSolver(
             self.world.friction, float(knobs["tolerance"]), int(knobs["turns"]), int(knobs["memory"]), cone

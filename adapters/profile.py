@@ -33,7 +33,7 @@ KnobValue: TypeAlias = float | int | str | bool
 
 @dataclass(frozen=True, slots=True)
 class Knob:
-    """One setting of an engine that differs from the shipped value, with the reason."""
+    """One setting of an engine in a profile, with the reason for its value."""
 
     value: KnobValue
     reason: str
@@ -95,8 +95,7 @@ class Capabilities:
     contact_points: str
     """Number of points that the engine reports for one pair, such as "up to 4 points"."""
     near_contacts: bool
-    """True if the engine lists points that nearly touch. If False, the port adds these points from the boxes' geometry.
-    """
+    """True if the engine lists points that nearly touch. If False, the port adds these points and missing corners."""
     separation: bool
     relative_velocity: str
     """Origin of relative velocities: "reported" by the engine, or a text such as "from the velocities before the step".

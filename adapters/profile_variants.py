@@ -60,7 +60,9 @@ def profile_of(simulation: type[Simulation], name: str) -> Profile:
         except ProfileError as error:
             raise ProfileError(f"profile '{name}': {error}") from error
         except ValueError as error:
-            raise ProfileError(f"profile '{name}': {what} must be {_MUST_BE[what]}, got '{value}'") from error
+            raise ProfileError(
+                f"profile '{name}': {what} must be {_MUST_BE[what]}, got '{value}'; correct the value"
+            ) from error
     return replace(profile, name=name, description=f"{profile.description}; varied: {changes}")
 
 
@@ -123,7 +125,7 @@ def _with_knob(simulation: type[Simulation], profile: Profile, knob: str, text: 
         kind = {bool: "true or false", int: "a whole number", float: "a number", str: "a text"}[type(known.value)]
         raise ProfileError(
             f"profile '{profile.name}' of engine '{simulation.engine}': knob '{knob}' must be {kind}, such as "
-            f"{known.value!r}, got '{text}'"
+            f"{known.value!r}, got '{text}'; correct the value"
         )
     follows_world = known is not None and known.follows_world
     if follows_world and isinstance(value, float):
@@ -156,7 +158,7 @@ _VARIATIONS: Mapping[str, Callable[[type[Simulation], Profile, float], Profile]]
     "offset": _with_offset,
 }
 _MUST_BE = {
-    "scale": "a positive number",
+    "scale": "a positive, finite number",
     "substeps": "a whole number from 1",
     "iterations": "a whole number from 1",
     "forces": "0 (contacts without forces) or 1",

@@ -38,7 +38,8 @@ def _not_installed(name: str, error: Exception) -> EngineNotInstalledError:
     if not release:
         return EngineNotInstalledError(f"engine '{name}' cannot be loaded ({error}): {ENGINES[name].remedy}")
     return EngineNotInstalledError(
-        f"engine '{name}' cannot be loaded with {release} ({error}): install what is missing, or another release"
+        f"engine '{name}' cannot be loaded with {release} ({error}): install a missing package, or another release of "
+        f"{package}"
     )
 
 

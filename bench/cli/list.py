@@ -42,7 +42,7 @@ def list_(
 ) -> None:
     """List scenarios, engines, profiles, policies and studies."""
     if truth and scenario is None:
-        raise typer.BadParameter("--truth judges one scene: add --scenario NAME or --scenario FILE")
+        raise typer.BadParameter("--truth needs one scene, got none: add --scenario NAME or --scenario FILE")
     if scenario is not None:
         with input_errors():
             _print_scene(scenario, is_judged=truth)

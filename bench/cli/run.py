@@ -97,7 +97,10 @@ def run(
                 "--jobs, and start each worker with --nthreads"
             )
         if dask is not None and (watch or watch_at):
-            raise ClusterError("--watch applies to trials on this machine only: leave out --watch or --dask")
+            raise ClusterError(
+                "--watch applies to trials on this machine only, as --watch-at does, but --dask is given: leave out "
+                "--watch and --watch-at, or leave out --dask"
+            )
         chosen = selected(load_study(study), wanted)
         if study in study_names() and not engine:
             chosen, missing = installed_part(chosen)

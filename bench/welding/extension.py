@@ -198,7 +198,7 @@ class WeldExtension:
         return Touches(a, b, contacts.point, contacts.normal, contacts.friction, self._bears(contacts))
 
     def _candidates(self, touches: Touches, ready: BoolArray) -> list[Pair]:
-        """Return the touching pairs of ``ready`` bodies that are not joined, nearest to the ground first."""
+        """Return the touching pairs of ``ready`` bodies that are not joined, the lowest contact first."""
         is_ready = np.append(ready, False)  # the last one for NOBODY
         between = np.flatnonzero(is_ready[touches.a] & is_ready[touches.b])
         nearest = between[np.argsort(-(touches.point[between] @ self._gravity), kind="stable")]
