@@ -7,8 +7,9 @@
         beta = friction(start + N^T alpha)
     until the residual is small, or the turns are exhausted
 
-The result comes from an impact program, so that nothing penetrates. Both programs are projections, and neither program
-adds kinetic energy. The alternation may fail to converge. The solver then returns the iterate with the least residual.
+The result comes from an impact program, so that nothing penetrates, unless no velocities avoid penetration. Both
+programs are projections, and neither program adds kinetic energy. The alternation may fail to converge. The solver then
+returns the iterate with the least residual.
 
 The matrix D D^T has the diagonal d. Let b be the projection of beta - D w / d on the cone of mu alpha. The residual of
 a contact is d times the difference between beta and b. The residual is zero if and only if the friction obeys Coulomb's

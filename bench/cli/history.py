@@ -107,7 +107,7 @@ def history(
 
 
 def _check_sources(engine: str | None, versions: str | None, commit_range: str | None, records: str | None) -> None:
-    """Check that the user names one source of versions, and a known engine for releases.
+    """Check that the user names one source of versions, no unknown engine, and an engine for releases.
 
     Raises:
         UnknownNameError: if no engine has the given name.
