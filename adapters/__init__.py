@@ -1,4 +1,4 @@
-"""Thin adapters for physics engines. Only the files of an engine's adapter import the engine's package."""
+"""Adapters of the physics engines, and functions that open a world of an engine by the engine's name."""
 
 from adapters.base import Simulation
 from adapters.bridge.errors import PeerError

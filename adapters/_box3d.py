@@ -1,7 +1,8 @@
 """Box3D: Erin Catto's soft contacts in small substeps, in single precision, through the C API of ``robox3d``.
 
-Freezing: the adapter stops the body and makes it static. A body that becomes dynamic again has the mass and inertia of
-its shape. Box3D does not collide static bodies with one another.
+Freezing: the adapter stops the body and makes it static. When the body becomes dynamic again, Box3D computes the mass
+and inertia of its shape. The adapter replaces these values unless the body is a homogeneous box. Box3D does not collide
+static bodies with one another.
 
 Contacts: before each reading, the adapter makes a step of length 0. This step detects the contacts at the present
 poses, and solves nothing, so that later motion does not change by a bit. ``find_contacts`` makes the same step. Box3D
@@ -59,8 +60,8 @@ class Box3dSimulation(SubstepSimulation):
     knows_knob = staticmethod(_SETTINGS.knows)
     iterations = "subStepCount"
     solver_noise = 1e-5
-    """Margin [m/s] of ``fastest_approach``. The margin is above 0, because without a margin the profile ``tuned``
-    reported 13 mm/s between a brick at rest and a platform that moved below the brick at 50 mm/s."""
+    """Margin [m/s] of ``fastest_approach``. Without a margin the profile ``tuned`` reported 13 mm/s between a brick at
+    rest and a platform that moved below the brick at 50 mm/s."""
     capabilities = Capabilities(
         contact_points="up to 4 points",
         near_contacts=True,
@@ -201,5 +202,5 @@ class Box3dSimulation(SubstepSimulation):
         return self._substep_s / self._engine.iterations
 
     def _read(self) -> Manifolds:
-        """Return the contacts of live bodies that the latest step detected."""
+        """Return the latest step's contacts of live bodies."""
         return self._reader.read(self._engine.handles[body] for body in self.bodies.live)

@@ -78,7 +78,7 @@ class Manifolds:
 
         Args:
             fresh: contacts of the later detection; a contact that the solver has not solved has no impulse.
-            listed: True for each point that gets a part of its contact's impulse, shape (n, 4).
+            listed: True for each point of ``fresh`` that gets a part of its contact's impulse, shape (n, 4).
         """
         if not len(self.contact):
             return np.zeros((*listed.shape, 3))

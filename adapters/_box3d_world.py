@@ -43,7 +43,7 @@ class Box3dWorld:
         self.shapes: dict[int, int] = {}
         """Index of the shape of each body."""
         self.body_of = np.full(64, GROUND)
-        """Body, ground or fixed box of each shape, by the shape's index."""
+        """Id of the body, the ground or the fixed body of each shape, by the shape's index."""
         self.raw_handles = np.zeros(64, np.uint64)
         """Handle of each body as a number, by the body's id: the input of batch functions."""
         self.handles: dict[int, Any] = {}
@@ -52,7 +52,7 @@ class Box3dWorld:
         self.world = self._opened(world)
 
     def add_fixed(self, body: int, box: Brick) -> None:
-        """Add the ground or a fixed body; ``body`` is its id in contacts."""
+        """Add the ground or a fixed body, with the id ``body`` in contacts."""
         self._add_solid(body, box, lib.b3_staticBody)
 
     def add_live(self, body: int, brick: Brick) -> None:
@@ -70,7 +70,7 @@ class Box3dWorld:
         lib.b3DestroyBody(self.handles.pop(body))
 
     def restore_inertia(self, body: int, brick: Brick) -> None:
-        """Set the inertia of a dynamic body unless the body is a homogeneous box.
+        """Set the mass and the inertia of a dynamic body unless the body is a homogeneous box.
 
         Box3D computes the inertia of a hull with a relative error of 2e-6, each time a body becomes dynamic.
         """
@@ -122,7 +122,7 @@ class Box3dWorld:
         lib.b3World_SetGravity(self.world, gravity)
 
     def step(self, seconds: float, iterations: int) -> None:
-        """Make one step, unless the world has diverged, because the engine's step would then not return."""
+        """Make one step of ``seconds`` [s] unless the world has diverged, because the engine would then not return."""
         if not self.has_diverged:
             self._set_length_unit()
             lib.b3World_Step(self.world, seconds, iterations)
@@ -133,7 +133,7 @@ class Box3dWorld:
         lib.b3DestroyWorld(self.world)
 
     def _opened(self, world: World) -> Any:
-        """Return an empty world."""
+        """Return an empty world of the engine with the profile's knobs."""
         self._set_length_unit()
         definition = lib.b3DefaultWorldDef()
         definition.gravity = world.gravity
@@ -192,7 +192,7 @@ def _attach_shape(handle: Any, definition: Any, brick: Brick) -> int:
 
 
 def set_velocity(handle: Any, linear: Vector = _STILL, angular: Vector = _STILL) -> None:
-    """Set the linear [m/s] and angular [rad/s] velocity of a body; the defaults stop the body."""
+    """Set the linear [m/s] and angular [rad/s] velocity of a body. The defaults stop the body."""
     lib.b3Body_SetLinearVelocity(handle, linear)
     lib.b3Body_SetAngularVelocity(handle, angular)
 

@@ -1,9 +1,9 @@
 """PyBullet: Bullet's sequential impulses, on rigid bodies in maximal coordinates or, as shipped, on multibodies.
 
 Freezing: the adapter stops the body, sets its mass to 0 and its activation state to asleep. The body is then static:
-nothing moves it by a single bit, and Bullet does not collide two frozen bodies. Unfreezing restores the mass, and
-Bullet then computes inertia and gravity again. Bullet applies no gravity to a body created with mass 0. Therefore the
-adapter creates every brick with its mass.
+nothing moves it by a single bit. Bullet does not collide two frozen bodies, but may still list their earlier contacts.
+Unfreezing restores the mass, and Bullet then computes inertia and gravity again. Bullet applies no gravity to a body
+created with mass 0. Therefore the adapter creates every brick with its mass.
 
 Contacts: Bullet reports the contacts that the latest step solved, detected at the poses before that step. Bullet lists
 penetrating points only, often three of a face's four corners. The port adds the missing corners. Bullet reports no
@@ -31,8 +31,8 @@ Traps:
   this sleep (between 0.2 and 0.3 m/s, for 2 s), because ``sleepThreshold`` works on multibodies only. The profile
   ``default`` keeps multibodies, PyBullet's standard. Multibodies stack worse than rigid bodies, and have a damping of
   0.04.
-- A moved body is heavy, not kinematic. The adapter disables its collisions with the ground, fixed boxes and frozen
-  bodies, because such a collision would stop the moved body.
+- A moved body is heavy, not kinematic. The adapter disables its collisions with the ground and with fixed, frozen and
+  other moved bodies, because these collisions would stop the moved body.
 """
 
 from __future__ import annotations

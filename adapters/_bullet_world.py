@@ -47,10 +47,10 @@ KNOBS = frozenset(
 )
 """Parameters of PyBullet's engine that affect contacts, and ``MAXIMAL_COORDINATES``."""
 MAXIMAL_COORDINATES = "useMaximalCoordinates"
-"""Knob for the kind of every body, set at its creation: 1 for a rigid body, 0 for a multibody."""
+"""Knob for the kind of every body, set at its creation: 0 for a multibody, 1 (as without the knob) for a rigid body."""
 HEAVY = 1e6
 """Mass [kg] of a moved body. The mass is large, because PyBullet cannot make a body kinematic. A load of 100 N changes
-the body's speed by 0.4 um/s in a step of 1/240 s, and the adapter sets the speed before each step."""
+the body's speed by 0.4 um/s in a step of 1/240 s. The adapter sets the speed before each step."""
 
 _UNTURNED = (0.0, 0.0, 0.0, 1.0)
 
@@ -67,7 +67,7 @@ class BulletWorld:
         self.handles: dict[int, int] = {}
         """Handle of each body."""
         self.body_of: dict[int, int] = {}
-        """Body, ground or fixed box of each handle."""
+        """Id of the body, the ground or the fixed body of each handle."""
         self._joints: dict[tuple[int, int], list[int]] = {}  # constraints of each joined pair
         self._world = world
         self._shapes: dict[tuple[Shape, Vector], int] = {}
@@ -88,7 +88,7 @@ class BulletWorld:
         pybullet.setGravity(*gravity, physicsClientId=self.client)
 
     def add_fixed(self, body: int, box: Brick) -> None:
-        """Add the ground or a fixed body; ``body`` is its id in contacts."""
+        """Add the ground or a fixed body, with the id ``body`` in contacts."""
         self.body_of[self._add_solid(box, mass=0.0)] = body
 
     def add_live(self, body: int, brick: Brick) -> None:
@@ -123,9 +123,10 @@ class BulletWorld:
             pybullet.changeDynamics(handle, -1, **inertia, physicsClientId=self.client)
 
     def join(self, pair: tuple[int, int], radius: float) -> None:
-        """Join two bodies by point-to-point constraints at three points, ``radius`` [m] from the middle of both.
+        """Join two bodies by point-to-point constraints at three points, ``radius`` [m] from the middle of the centres.
 
-        Bullet's fixed constraint ignores the orientations of both frames for rigid bodies, and so turns the bodies.
+        The method uses no fixed constraint, because Bullet's fixed constraint ignores the orientations of both frames
+        for rigid bodies, and therefore turns the bodies.
         """
         handles = [self.handles[body] for body in pair]
         poses = [pybullet.getBasePositionAndOrientation(handle, self.client) for handle in handles]
@@ -202,7 +203,7 @@ class BulletWorld:
         return handle
 
     def _shape(self, brick: Brick) -> int:
-        """Return the collision shape of a brick; bricks of equal shape and size share one collision shape."""
+        """Return the collision shape of a brick, shared by all bricks of equal shape and size."""
         key = brick.shape, brick.size
         if key not in self._shapes:
             self._shapes[key] = pybullet.createCollisionShape(**_geometry(brick), physicsClientId=self.client)
@@ -225,14 +226,17 @@ def _geometry(brick: Brick) -> dict[str, Any]:
 
 
 def _own_inertia(brick: Brick) -> dict[str, Any]:
-    """Return mass and inertia of hulls and capsules, which Bullet treats as boxes, and of bodies with given moments."""
+    """Return the mass and the inertia of a hull, a capsule or a brick with given moments; nothing for other bricks.
+
+    Bullet gives hulls and capsules the inertia of a box.
+    """
     is_computed = brick.shape in ("box", "cylinder", "sphere") and brick.moments is None
     # Without the mass in the same call the body's next pose is NaN.
     return {} if is_computed else {"mass": brick.mass, "localInertiaDiagonal": moments_of(brick)}
 
 
 def _material(brick: Brick, world: World) -> dict[str, float]:
-    """Return the settings of a body that differ from PyBullet's defaults."""
+    """Return PyBullet's settings for the margin of a hull and for a restitution above 0."""
     settings = {}
     if isinstance(brick.shape, Polyhedron):
         settings["collisionMargin"] = 0.0  # Bullet would add its margin of 1 mm around the vertices

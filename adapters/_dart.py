@@ -1,6 +1,6 @@
-"""DART: a skeleton of one box on a free joint for every brick, and one boxed LCP for the forces of all contacts.
+"""DART: a skeleton of one shape on a free joint for every brick, and one boxed LCP for the forces of all contacts.
 
-An LCP is a linear complementarity problem; a boxed LCP also has bounds for the unknown forces.
+An LCP is a linear complementarity problem. A boxed LCP also has bounds for the unknown forces.
 
 Mechanisms:
 
@@ -19,7 +19,7 @@ Mechanisms:
 
 Traps:
 
-- As shipped DART keeps at most 1000 contacts of all pairs together; ``_dart_limits`` raises the limit.
+- As shipped DART keeps at most 1000 contacts of all pairs together. ``_dart_limits`` raises the limit.
 - A penetration shrinks at a speed of at most 1 mm/s. Below a depth of 0.4 mm, the penetration shrinks by a hundredth of
   the depth in a step of 1/240 s. No knob in Python changes these rates. Only shorter steps keep a landing brick from
   sinking.
@@ -98,7 +98,7 @@ class DartSimulation(SubstepSimulation):
         if self.info.sleeping != "off" and not HAS_DEACTIVATION:
             raise NotImplementedError(
                 f"DART {self.info.version} has no sleeping of its own: use policy 'none', or install the "
-                "version of dartpy in uv.lock (uv sync)"
+                "version of dartpy in uv.lock (uv sync --group engines)"
             )
         self._engine = DartWorld(self.world, self.info.profile, self.expected)
         self._joints = self._engine.joints
@@ -221,7 +221,7 @@ class DartSimulation(SubstepSimulation):
         return contacts
 
     def _read_contacts(self, contacts: Sequence[Any]) -> Contacts:
-        """Return all contacts that DART lists, including contacts of frozen and of removed bodies."""
+        """Convert DART's contacts to ``Contacts``, including contacts of frozen and of removed bodies."""
         if not contacts:
             return Contacts.empty()
         force = forces_of(contacts) if self.reads_forces else None

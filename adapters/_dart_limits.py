@@ -28,7 +28,7 @@ class _CollisionOption(ctypes.Structure):
 
 
 def contacts_for(bricks: int) -> int:
-    """Return an upper bound of the number of contacts among ``bricks`` bricks and the ground."""
+    """Return an upper bound of the number of contacts among ``bricks`` bricks and the ground, at least ``SHIPPED``."""
     return max(SHIPPED, PER_PAIR * bricks * (bricks + 1) // 2)
 
 
@@ -62,6 +62,6 @@ def _option_of(solver: Any) -> _CollisionOption | None:
 
 def _refusal(before: int, contacts: int) -> str:
     return (
-        f"this scene needs a limit of {contacts} contacts, but dartpy {dartpy.__version__} keeps DART's limit of "
-        f"{before} contacts: install the version of dartpy in uv.lock (uv sync)"
+        f"dart: the adapter sets a limit of {contacts} contacts for this scene, but dartpy {dartpy.__version__} keeps "
+        f"DART's limit of {before} contacts: install the version of dartpy in uv.lock (uv sync --group engines)"
     )

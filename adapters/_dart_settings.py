@@ -20,8 +20,8 @@ _MATRIX_FREE_OPTIONS = {
 """Map from a knob to the field of ``MatrixFreeContactSolverOptions`` that the knob sets."""
 
 _IMPULSE_TOLERANCES = ("matrix_free_delta_tolerance", "matrix_free_relative_tolerance")
-"""Knobs that are impulses [N s], chosen for planks; for heavier or lighter bricks ``configure`` scales them with the
-mass."""
+"""Knobs that are impulses [N s], chosen for planks. ``configure`` scales these impulses with the mass of heavier or
+lighter bricks."""
 _PLANK_MASS = 0.0119
 """Mass [kg] of the plank that determines ``_IMPULSE_TOLERANCES``."""
 
@@ -83,10 +83,10 @@ def _set_fields(options: Any, fields: Mapping[str, str], knobs: Mapping[str, Kno
 def _mass_in_planks(bricks: Sequence[Brick]) -> float:
     """Return the factor on the impulse tolerances: the ratio of a reference mass to the mass of a plank.
 
-    The reference mass is the mass of
+    The function ignores moved bricks. The reference mass is the mass of
 
-    - the lightest expected brick, if all expected bricks are heavier than a plank. With the tolerance of planks of 12
-      g, 1e-7 N s, the solver exhausts its iterations on blocks of 4 kg, and the dense solver starts;
+    - the lightest expected brick, if all expected bricks are heavier than a plank. With 1e-7 N s, the tolerance of
+      planks of 12 g, the solver exhausts its iterations on blocks of 4 kg;
     - the heaviest expected brick, if all expected bricks are lighter than a plank. With a tolerance of 3e-7 N s, planks
       of 12 mg, whose weight is 5e-7 N s per step, fall through the ground;
     - a plank otherwise, because the lightest brick is then a piece of a plank, and few scenes have pieces of planks.

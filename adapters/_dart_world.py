@@ -1,4 +1,4 @@
-"""A world of DART with the settings of a profile, in which every brick is a skeleton of one box."""
+"""A world of DART with the settings of a profile, in which every brick is a skeleton of one shape."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class DartWorld:
         return read_knobs(self.world, self._knobs)
 
     def add_fixed(self, body: int, box: Brick) -> None:
-        """Add the ground or a fixed box; ``body`` is its id in contacts."""
+        """Add the ground or a fixed body, with the id ``body`` in contacts."""
         skeleton = dartpy.dynamics.Skeleton(str(body))
         joint, node = skeleton.createWeldJointAndBodyNodePair()
         self._add_shape(node, box)
@@ -53,7 +53,11 @@ class DartWorld:
         self.world.addSkeleton(skeleton)
 
     def add_live(self, body: int, brick: Brick) -> None:
-        """Add a live brick on a free joint, at rest."""
+        """Add a live brick on a free joint, at rest.
+
+        Raises:
+            NotImplementedError: if the detector has no capsules, or the adapter cannot raise DART's limit on contacts.
+        """
         skeleton = dartpy.dynamics.Skeleton(str(body))
         joint, node = skeleton.createFreeJointAndBodyNodePair()
         shape = self._add_shape(node, brick)
@@ -83,7 +87,7 @@ class DartWorld:
         self.world.removeSkeleton(self.skeletons.pop(body))
 
     def join(self, pair: tuple[int, int]) -> None:
-        """Join two bodies by a weld constraint, with which DART's dense solver replaces the matrix-free solver."""
+        """Join two bodies by a weld constraint. DART then uses the dense solver instead of the matrix-free solver."""
         first, second = (self.skeletons[body].getBodyNode(0) for body in pair)
         self._welds[pair] = dartpy.constraint.WeldJointConstraint(first, second)
         self.world.getConstraintSolver().addConstraint(self._welds[pair])
@@ -101,21 +105,24 @@ class DartWorld:
         return rows_of([self.joints[body].getVelocities() for body in bodies], 6)
 
     def close(self) -> None:
-        """Free the joints, the skeletons and then the world, because a wrapper that outlives the world crashes."""
+        """Free the wrappers, then the world, because a wrapper that outlives the world crashes the process."""
         self._welds.clear()
         self.joints.clear()
         self.skeletons.clear()
         del self.world
 
     def _make_room(self, bricks: int) -> None:
-        """Raise DART's limit on contacts to the greatest number of contacts in a scene of ``bricks`` bricks."""
+        """Raise DART's limit on contacts to at least the greatest number of contacts among ``bricks`` bricks."""
         if bricks > self._room:
             self._room = max(bricks, 2 * self._room)
             raise_limit(self.world.getConstraintSolver(), contacts_for(self._room))
 
     def _add_shape(self, node: Any, box: Brick) -> Any:
         if box.shape == "capsule" and not self._has_capsules:
-            raise NotImplementedError("dart: FCL's detector has no capsules: use the profile game or tuned")
+            raise NotImplementedError(
+                "dart: the adapter builds capsules with the collision detector 'DART' only: use the profile game or "
+                "tuned with its own detector"
+            )
         shape = _shape(box)
         shape_node = node.createShapeNode(shape)
         shape_node.createCollisionAspect()

@@ -54,12 +54,15 @@ class ErlebenSimulation(ReferenceSimulation):
 
     def _open(self) -> None:
         if self.info.sleeping != "off":
-            raise NotImplementedError("erleben: this reference engine has no sleeping of its own; use sleeping='off'")
+            raise NotImplementedError(
+                "erleben: this reference engine has no sleeping of its own: use policy 'none', or sleeping='off'"
+            )
         knobs = self.info.profile.values
         fraction = float(knobs["fraction"])
         if not 0.0 <= fraction <= 1.0:
             raise ValueError(
-                f"erleben: the knob 'fraction' must be a number from 0 to 1, got {fraction}: correct the profile"
+                f"erleben: the knob 'fraction' must be a number from 0 to 1, got {fraction}: correct the profile "
+                f"'{self.info.profile.name}'"
             )
         self._solver = ErlebenSolver(self.world.friction, fraction, int(knobs["sweeps"]))
         super()._open()

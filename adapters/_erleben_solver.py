@@ -4,13 +4,13 @@ One step of length h, with the fraction phi:
 
     1. dynamics of all bodies over phi h
     2. for each layer from the ground up, with its floor fixed:
-           displace the passengers until no contact of the layer overlaps (first-order correction, no velocity)
+           displace the passengers to remove the overlaps of the layer's contacts (first-order correction, no velocity)
            dynamics of the passengers over (1 - phi) h
 
-The module ``reference.layers`` defines layers, floors and passengers. Dynamics means: add gravity, then find impulses
-lambda by projected Gauss-Seidel sweeps. Each sweep refreshes the friction bounds. The scaled velocities w, the rows J
-and the driven velocities drive come from ``reference.contact_rows``. The gap is g, the time of the dynamics t, and the
-coefficient of friction mu:
+The module ``reference.layers`` defines layers, floors and passengers. Dynamics means: add gravity and steady forces,
+then find impulses lambda by projected Gauss-Seidel sweeps. Each sweep refreshes the friction bounds. The scaled
+velocities w, the rows J and the driven velocities drive come from ``reference.contact_rows``. The gap is g, the time of
+the dynamics t, and the coefficient of friction mu:
 
     0 <= lambda_n  complementary to  J_n w + drive + g / t >= 0,      |lambda_t| <= mu lambda_n along each tangent
     lambda_i <- clamp(lambda_i - (J_i w + drive_i + g_i / t) / |J_i|^2)
@@ -18,8 +18,9 @@ coefficient of friction mu:
 With phi = 0 no layer carries the weight above, because this weight acts on a fixed floor.
 
 Source: K. Erleben, "Velocity-based shock propagation for multibody dynamics animation", ACM Transactions on Graphics
-26(2), 2007, in the author's own code in OpenTissue (class "constraint based shock propagation"). This module differs in
-two points. The term g / t lets a point that does not touch yet close its gap g within the time t. The restitution is 0.
+26(2), 2007, as in the author's own code in OpenTissue (class "constraint based shock propagation"). This module differs
+in two points. The term g / t lets a point that does not touch yet close its gap g within the time t. The restitution is
+0.
 """
 
 from __future__ import annotations
@@ -44,12 +45,15 @@ class ErlebenSolver:
     friction: float
     """Coefficient of every contact."""
     fraction: float
-    """The fraction phi of the step in which all bodies feel each other."""
+    """The fraction phi of the step that the dynamics of all bodies cover."""
     sweeps: int
     """Number of Gauss-Seidel sweeps of each problem."""
 
     def solve(self, problem: ContactRows) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return velocities (m, 6), impulses (n, 3) along the rows, and corrections (m, 6) as scaled velocities."""
+        """Return velocities (m, 6), impulses (n, 3) along the rows, and corrections (m, 6).
+
+        The velocities and corrections are scaled velocities. Impulses have the unit ``problem.impulse_unit``.
+        """
         velocity = problem.start - problem.pull
         correction, impulse = np.zeros_like(velocity), np.zeros((len(problem), 3))
         height = heights_of(problem.body, len(velocity))
@@ -83,11 +87,11 @@ def _propagate(
     """Advance ``velocity`` (m, 6) through a step; add impulses (n, 3), and displacements to ``correction`` (m, 6).
 
     Args:
-        body: live bodies a and b of each contact, -1 for a fixed box, shape (n, 2).
+        body: live bodies a and b of each contact, -1 for a body that contacts do not move, shape (n, 2).
         jacobian: rows of each contact, shape (n, 3, 2, 6).
         drive: velocities along the rows from bodies that the host moves, shape (n, 3).
-        gap: gaps, over the distance that the velocity unit covers in a step, shape (n,).
-        pull: velocities that gravity adds in a step, shape (m, 6).
+        gap: gaps, divided by the distance that the velocity unit covers in a step, shape (n,).
+        pull: velocities that gravity and steady forces add in a step, shape (m, 6).
         height: height of each body, shape (m,).
         layer: layer of each contact, shape (n,).
         by_layer: contacts in the order of their layers, shape (n,).
@@ -214,7 +218,7 @@ def _separate(
     sweeps: int,
     correction: FloatArray,
 ) -> None:
-    """Displace the free bodies by Gauss-Seidel sweeps without friction, until no contact of ``members`` overlaps."""
+    """Displace the free bodies by Gauss-Seidel sweeps without friction, to remove the overlaps of ``members``."""
     own = np.zeros(len(members))
     deepest = 0.0
     for m in range(len(members)):

@@ -1,7 +1,7 @@
 """Havok, compiled to WebAssembly, in Node: npm package ``@babylonjs/havok``, single precision.
 
 Freezing: the adapter stops the body and makes it static. When the adapter makes the body dynamic again, the adapter
-sets the mass and the inertia, and keeps the body active. Havok does not collide static bodies with one another.
+sets the mass and the inertia, and activates the body. Havok does not collide static bodies with one another.
 
 Contacts: each step emits one event per point, with positions and normals at the start of the step. The bridge moves
 positions and normals with the bodies to the poses after the step. Havok guarantees no points at a positive gap, so that
@@ -9,7 +9,7 @@ the port adds the corners from the bricks' geometry. Havok reports no forces.
 
 Friction: the coefficient of a pair is the geometric mean of both shapes' coefficients (as shipped), and every shape has
 the world's coefficient. The first step in which bodies touch has no friction. With one step per frame, as shipped, a
-plank 1 deg above the friction angle slides 82 mm instead of 52 mm, and four conformance checks fail. With four steps
+plank 1 deg above the friction angle slides 82 mm instead of 52 mm. Four conformance checks then fail. With four steps
 per frame all checks pass. The API has no forces, so that the adapter applies a steady force as an impulse before each
 substep.
 

@@ -3,9 +3,9 @@
 Freezing: the adapter stops the body and makes it static. A body that becomes dynamic again keeps its mass and inertia.
 Jolt does not collide static bodies with one another.
 
-Contacts: while the adapter reads contacts, a listener receives the contacts at the start of each step, with the poses.
-The bridge moves the points with the bodies to the poses after the step. Jolt also lists points within its speculative
-distance. The bridge omits points with a gap of more than 0.1 mm. Jolt reports no forces here.
+Contacts: while the adapter reads contacts, a listener receives the contacts at the poses before the last step of each
+frame. The bridge moves the points with the bodies to the poses after the step. Jolt also lists points within its
+speculative distance. The bridge omits points with a gap of more than 0.1 mm. Jolt reports no forces here.
 
 Friction: the coefficient of a pair is the geometric mean of both bodies' coefficients (as shipped), and every body has
 the world's coefficient. The law is a cone: one constraint per point, in the direction of sliding.

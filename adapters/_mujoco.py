@@ -1,11 +1,11 @@
-"""MuJoCo 3 and 4: soft contacts, solved to convergence by Newton's method.
+"""MuJoCo 3 and 4: soft contacts, solved by Newton's method.
 
 Slots: MuJoCo compiles its model in advance, so that the adapter reserves a slot for every expected brick. A slot is a
-free body. Until the host spawns the brick, the slot is "parked": without collisions, weight or cost
-(``_mujoco_slots.py``). If no free slot fits a brick, the adapter compiles a new model with more slots and copies the
-state (``_mujoco_world.py``).
+free body. Until the host spawns the brick, the slot is "parked": without collisions or weight, and from MuJoCo 3.4 on
+without cost (``_mujoco_slots.py``). If no free slot fits a brick, the adapter compiles a new model with more slots and
+copies the state (``_mujoco_world.py``).
 
-Freezing: MuJoCo cannot make a body static, so that each slot has a second body, a mocap body with the same box (its
+Freezing: MuJoCo cannot make a body static, so that each slot has a second body, a mocap body with the same shape (its
 "ghost"). The adapter parks a frozen brick, and the ghost collides at the brick's pose. Nothing moves a mocap body: the
 drift is exactly zero. MuJoCo lists no contacts among ghosts and the ground, because a ghost counts as a part of the
 world body, like the ground. A world without a port has no ghosts.
@@ -54,7 +54,7 @@ mujoco.set_mju_user_warning(logging.getLogger(__name__).warning)
 
 
 def _knows(knob: str) -> bool:
-    """Return whether a knob of this name may exist; MuJoCo itself rejects an unknown attribute of its XML."""
+    """Return whether a knob of this name may exist. MuJoCo itself rejects an unknown attribute of its XML."""
     return "." in knob or knob in (CONTACT_STEPS, "sleep")
 
 
@@ -95,7 +95,8 @@ class MujocoSimulation(SubstepSimulation):
     def _open(self) -> None:
         if self.info.sleeping != "off" and not HAS_SLEEP:
             raise NotImplementedError(
-                f"MuJoCo {self.info.version} has no sleeping of its own: use policy 'none', or install 3.4 or later"
+                f"MuJoCo {self.info.version} has no sleeping of its own: use policy 'none', or install mujoco 3.4 or "
+                "later"
             )
         self._engine = MujocoWorld(
             self.world, self.info.profile, self.bodies, self.expected, needs_ghosts=lambda: self.is_observed

@@ -19,7 +19,7 @@ from stability_core.ports.mujoco_ghosts import FreeBody
 from stability_core.ports.mujoco_release import HAS_SLEEP, SLEEP_ALLOWED, SLEEP_NEVER, detection_attributes
 
 CONTACT_STEPS = "contact_steps"
-"""Knob for the time constant of contacts [steps]; MuJoCo's ``solref`` has this constant in seconds."""
+"""Knob for the time constant of contacts [steps]. MuJoCo's ``solref`` has this constant in seconds."""
 
 _COLLIDES = 'contype="1" conaffinity="1"'
 HEAVY = 1e3
@@ -30,12 +30,12 @@ so that no load shifts the body."""
 _STILL, _LIVE, _MOVED = (np.array(masks)[:, None] for masks in ((1, 1), (3, 1), (0, 2)))
 """Collision masks (``contype``, ``conaffinity``) of a ghost, a live brick and a moved body, for one geom.
 
-Two geoms collide if the type of one geom and the affinity of the other share a bit, so that moved bodies collide with
+Two geoms collide if the type of one geom and the affinity of the other share a bit. Therefore moved bodies collide with
 live bricks only."""
 
 
 def pattern_of(brick: Brick) -> Brick:
-    """Return the pattern of the slots that fit a brick: the brick without its place, and with the mass of the slot."""
+    """Return the pattern of the slots that fit a brick: shape and material of the brick, and the mass of the slot."""
     mass = HEAVY if brick.moved else brick.mass
     return replace(brick, mass=mass, position=(0.0, 0.0, 0.0), quaternion=UPRIGHT, level=1, moved=False)
 
@@ -86,13 +86,13 @@ class SlotModel:
         return read
 
     def copy_state(self, smaller: SlotModel) -> None:
-        """Copy the poses, velocities and warm starts of a model with fewer slots into the first slots."""
+        """Copy the poses, velocities and warm starts of a model with at most as many slots into the first slots."""
         self.poses[: smaller.slots] = smaller.poses
         self.velocities[: smaller.slots] = smaller.velocities
         self._warm_starts[: smaller.slots] = smaller._warm_starts
 
     def copy_welds(self, smaller: SlotModel) -> None:
-        """Copy the welds of a model with fewer welds into the first welds."""
+        """Copy the welds of a model with at most as many welds into the first welds."""
         for name in ("eq_obj1id", "eq_obj2id", "eq_data"):
             getattr(self.model, name)[: smaller.welds] = getattr(smaller.model, name)
         self.data.eq_active[: smaller.welds] = smaller.data.eq_active
@@ -113,7 +113,7 @@ class SlotModel:
         self.velocities[slot, 3:] = rotate(inverse, np.array([angular]))[0]
 
     def unpark(self, slot: int) -> None:
-        """Activate the parked brick of a slot, so that the brick collides, falls and may sleep."""
+        """Activate the parked brick of a slot: collisions, weight, and sleeping if the profile has the knob "sleep"."""
         self._bodies[slot].collide(*_LIVE)
         self._bodies[slot].unpark(0.0, self._live_policy)
 
@@ -123,7 +123,7 @@ class SlotModel:
         self._bodies[slot].unpark(1.0, SLEEP_NEVER)
 
     def park(self, slot: int) -> None:
-        """Deactivate a brick, so that it costs no time: no collisions, no weight, asleep."""
+        """Deactivate a brick: no collisions, no weight and, from MuJoCo 3.4 on, asleep, so that it costs no time."""
         self._bodies[slot].park()
 
     def wake(self, slot: int) -> None:
@@ -164,7 +164,10 @@ class SlotModel:
 
 
 def _mjcf(patterns: Sequence[Brick], world: World, profile: Profile, *, ghosts: bool, welds: int) -> str:
-    """Return the world as MuJoCo's XML; a knob ``element.attribute`` sets the attribute of that element."""
+    """Return the world as MuJoCo's XML.
+
+    A knob ``element.attribute`` sets an attribute of the element ``option``, ``flag`` or ``geom``.
+    """
     timestep = profile.frame_s / profile.substeps
     settings: dict[str, dict[str, object]] = {
         "option": {"timestep": timestep, "gravity": _numbers(world.gravity)},
@@ -215,9 +218,10 @@ def _mjcf(patterns: Sequence[Brick], world: World, profile: Profile, *, ghosts: 
 
 
 def _idle_weld(timestep: float) -> str:
-    """Return a weld that holds nothing; the XML needs the name of a body, and ``SlotModel.join`` assigns both bodies.
+    """Return the XML of a stiff weld that holds nothing until ``SlotModel.join`` assigns both bodies.
 
-    As shipped a weld is soft: an overhanging plank tilted by 1.6 deg.
+    The weld is stiff, because an overhanging plank tilted by 1.6 deg with the shipped stiffness. The XML names slot 0,
+    because a weld must name a body.
     """
     stiff = f'solref="{2 * timestep!r} 1" solimp="0.9999 0.9999 0.001"'
     return f'<weld body1="slot 0" active="false" {stiff}/>'

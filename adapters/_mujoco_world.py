@@ -1,4 +1,4 @@
-"""A world of MuJoCo, which compiles a model on first use, and again when no free slot fits a brick."""
+"""A world of MuJoCo, which compiles a model on first use, and again when it needs more slots, ghosts or welds."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class MujocoWorld:
         """Reserve a slot for each expected brick.
 
         Args:
-            world: friction, gravity and fixed boxes.
+            world: friction, gravity and fixed bodies.
             profile: MuJoCo's settings.
             bodies: the adapter's record of its bodies.
             expected: the bricks that the host plans to spawn.
@@ -174,7 +174,7 @@ class MujocoWorld:
         return slot
 
     def _take_slot(self, pattern: Brick) -> int:
-        """Return a free slot; if no slot is free, first add as many slots as the world has bodies."""
+        """Return a free slot of a pattern; if no slot is free, first add a slot for each body, but at least one."""
         if not self._free[pattern]:
             first, more = len(self._patterns), max(1, len(self.slot_of))
             self._patterns += [pattern] * more

@@ -1,9 +1,9 @@
 """ODE's QuickStep: projected Gauss-Seidel without warm starting, through the C API by ctypes and compiled code.
 
-Library: the adapter loads Debian's ``libode8``, in double precision, if installed; else the library in Panda3D's wheel,
-in single precision. The version in each record names the library (``_ode_library.py``). The adapter does not use the
-exact solver, ``dWorldStep``, for two reasons. In single precision its errors end the process, and its time grows with
-the cube of the number of contacts.
+Library: the adapter loads Debian's ``libode8``, in double precision, if it is installed. Otherwise the adapter loads
+the library in Panda3D's wheel, in single precision. The version in each record names the library (``_ode_library.py``).
+The adapter does not use the exact solver, ``dWorldStep``, for two reasons. In single precision its errors end the
+process, and its time grows with the cube of the number of contacts.
 
 Freezing: the adapter stops and disables the body, so that ODE does not step it. A contact of a frozen body joins the
 other body to the world. Otherwise ODE would enable the frozen body as soon as a contact joins it to a live body. A
@@ -29,8 +29,8 @@ Traps:
   own seed of the generator before a step, and stores the new seed after the step.
 - As shipped, ODE pushes points apart until they no longer touch (``ContactSurfaceLayer`` 0), and the bodies then fall
   back.
-- A state that is not finite ends the process by an assertion. If the square of a position, speed or spin is not
-  finite in single precision, the adapter makes no step and reports poses as NaN.
+- A state that is not finite ends the process by an assertion. If a position [m], speed [m/s] or spin [rad/s] of a live
+  body reaches 1e12, the adapter stops stepping and reports NaN.
 - The engine's own sleep does not end when the host removes a support.
 - The default friction (without ``dContactApprox1``) has a force [N] as its bound, not a multiple of the normal force.
 """
@@ -63,8 +63,8 @@ class OdeSimulation(SubstepSimulation):
     knows_knob = staticmethod(_SETTINGS.knows)
     iterations = "QuickStepNumIterations"
     solver_noise = 1e-4
-    """Margin [m/s] of ``fastest_approach``. The margin is above 0, because without a margin the profile ``tuned``
-    reported 13 mm/s between a brick at rest and a platform that moved below the brick at 50 mm/s."""
+    """Margin [m/s] of ``fastest_approach``. Without a margin the profile ``tuned`` reported 13 mm/s between a brick at
+    rest and a platform that moved below the brick at 50 mm/s."""
     capabilities = Capabilities(
         contact_points="up to 8 points",
         near_contacts=False,
@@ -80,7 +80,7 @@ class OdeSimulation(SubstepSimulation):
 
     @classmethod
     def check_installed(cls) -> None:
-        """Raise ``ImportError`` if no library of ODE is installed."""
+        """Raise ``ImportError`` if no usable library of ODE is installed."""
         importlib.import_module("adapters._ode_library")
 
     def _open(self) -> None:

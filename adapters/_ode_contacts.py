@@ -17,8 +17,8 @@ from adapters._ode_library import CONTACT, FEEDBACK, address_of, c_call, lib
 from stability_core.port import BoolArray, FloatArray, IntArray
 
 MOST_POINTS = 8
-"""Greatest number of contact points of two boxes, because ODE clips one face by the four edges of another face, and
-each cut adds at most one corner to the first four corners."""
+"""Greatest number of contact points of two boxes. ODE clips one face by the four edges of another face, and each cut
+adds at most one corner to the first four corners."""
 _APPROX_1 = 0x7000
 """Flag ``dContactApprox1``: the bound of friction is mu times the normal force, not mu [N]."""
 _HEAD = 2

@@ -30,7 +30,7 @@ def _opened() -> tuple[ctypes.CDLL, str]:
     """Return the library with its origin: a file name, or the name and version of a package.
 
     Raises:
-        ImportError: if the library is missing.
+        ImportError: if neither library is installed, or Panda3D's library does not export ODE's functions.
     """
     try:
         library = ctypes.CDLL(_DEBIAN)
@@ -47,7 +47,7 @@ def _opened_panda() -> tuple[ctypes.CDLL, str]:
     if not files:
         raise ImportError(
             f"ODE needs the library {_DEBIAN}, or {_PANDA} of the package 'panda3d', but neither is installed; install "
-            f"{_DEBIAN}, or the version of panda3d in uv.lock"
+            f"{_DEBIAN}, or the version of panda3d in uv.lock (uv sync --group ode)"
         )
     library = ctypes.CDLL(str(files[0]))
     if not hasattr(library, "dWorldCreate"):
@@ -59,7 +59,7 @@ lib, _origin = _opened()
 lib.dGetConfiguration.restype = ctypes.c_char_p
 _is_double = b"ODE_double_precision" in lib.dGetConfiguration()
 VERSION = f"{_origin}, {'double' if _is_double else 'single'} precision"
-"""Origin and precision of the library; ODE does not report its own version."""
+"""Origin and precision of the library, because ODE does not report its own version."""
 
 REAL = np.dtype(np.float64 if _is_double else np.float32)
 """Type of ODE's numbers (``dReal``)."""

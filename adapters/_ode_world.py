@@ -49,7 +49,7 @@ class OdeWorld:
         self.set_gravity(world.gravity)
 
     def add_fixed(self, body: int, box: Brick) -> None:
-        """Add the ground or a fixed box; ``body`` is its id in contacts."""
+        """Add the ground or a fixed box, with the id ``body`` in contacts."""
         geom = self._add_geom(body, box)
         lib.dGeomSetPosition(geom, *box.position)
         lib.dGeomSetQuaternion(geom, QUATERNION(*box.quaternion))
@@ -79,13 +79,13 @@ class OdeWorld:
         self.set_velocity(body)
 
     def set_velocity(self, body: int, linear: Vector = NO_VELOCITY, angular: Vector = NO_VELOCITY) -> None:
-        """Set the linear [m/s] and angular [rad/s] velocity of a body; the defaults stop the body."""
+        """Set the linear [m/s] and angular [rad/s] velocity of a body. The defaults stop the body."""
         handle = self.handles[body]
         lib.dBodySetLinearVel(handle, *linear)
         lib.dBodySetAngularVel(handle, *angular)
 
     def freeze(self, body: int) -> None:
-        """Stop and disable a body; from then on its contacts join the other body to the world."""
+        """Stop and disable a body, so that its contacts join the other body to the world."""
         self.set_velocity(body)
         lib.dBodyDisable(self.handles[body])
         self._is_live[body], self._joined[body] = False, 0
@@ -111,7 +111,7 @@ class OdeWorld:
         """Make one step, unless the world has diverged, because ODE would then end the process.
 
         Args:
-            seconds: length of the step.
+            seconds: length of the step [s].
             feedback: True if ODE must record contact forces.
         """
         if self._diverges():
@@ -124,13 +124,16 @@ class OdeWorld:
         lib.dJointGroupEmpty(self._joints)
 
     def contacts_now(self) -> ContactFinder:
-        """Return the contacts at the present poses, without a step."""
+        """Return the contacts at the present poses, without a step; the previous result if the world has diverged."""
         if not self._diverges():
             self._now.find(self._space, self._is_live, self._lowest)
         return self._now
 
     def states(self, bodies: IntArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Return positions [m], quaternions (w, x, y, z), velocities [m/s] and spins [rad/s] of bodies (k,)."""
+        """Return positions [m], quaternions (w, x, y, z), velocities [m/s] and spins [rad/s] of bodies (k,).
+
+        All values are NaN if the world has diverged.
+        """
         states = [self._states[body] for body in bodies.tolist()]
         rows = np.concatenate(states).astype(np.float64).reshape(-1, _STATE) if states else np.empty((0, _STATE))
         if self.has_diverged:
@@ -149,7 +152,7 @@ class OdeWorld:
         lib.dWorldDestroy(self._world)
 
     def _diverges(self) -> bool:
-        """Return True if the world has diverged; the answer for a diverged world stays True."""
+        """Return True if the world diverges now, or has diverged before."""
         live = [self._states[body] for body in np.flatnonzero(self._is_live).tolist()]
         if live and not (np.abs(np.concatenate(live)) < _MOST).all():
             self.has_diverged = True
@@ -177,13 +180,17 @@ class OdeWorld:
 
 
 def _state_of(handle: int) -> npt.NDArray[Any]:
-    """Return a view of a body's state in ODE's own memory, shape (28,)."""
+    """Return a view of a body's state in ODE's own memory, shape (28,).
+
+    Raises:
+        ImportError: if the library has another memory layout.
+    """
     start = lib.dBodyGetPosition(handle)
     parts = (lib.dBodyGetQuaternion, lib.dBodyGetLinearVel, lib.dBodyGetAngularVel)
     places = [(part(handle) - start) // REAL.itemsize for part in parts]
     if places != [part.start for part in (_QUATERNION, _LINEAR, _ANGULAR)]:
         raise ImportError(
-            f"ODE must have a body's state at the places 16, 20 and 24, got {places}; install the version of panda3d "
-            "in uv.lock"
+            f"ODE must have a body's state at the places 16, 20 and 24, got {places}; install libode.so.8, or the "
+            "version of panda3d in uv.lock (uv sync --group ode)"
         )
     return reals_at(start, _STATE)

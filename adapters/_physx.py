@@ -1,11 +1,11 @@
-"""PhysX 5 on the processor, through SAPIEN: the engine family of the paper, which extended PhysX 3 inside Unity 4.
+"""PhysX 5 on the processor, through SAPIEN. The paper extended an earlier release, PhysX 3 inside Unity 4.
 
 Freezing: the adapter makes the body kinematic (``stability_core.ports.sapien_calls``).
 
 Contacts: PhysX reports up to four points per pair, detected before the latest substep. PhysX lists points with a gap of
 up to the sum of both shapes' contact offsets. As shipped this sum exceeds the thickness of two planks. Therefore PhysX
-also lists a brick and the ground with another brick between both, without impulse. The adapter omits points with a gap
-of more than ``MAX_SEPARATION``. All poses and velocities come in one packed block of 32-bit floats.
+also lists a brick and the ground with another brick between both, without impulse. The adapter omits points without
+impulse at a gap of more than ``MAX_SEPARATION``. All poses and velocities come in one packed block of 32-bit floats.
 
 ``find_contacts`` makes one step of 1 us in a second world with the same bodies, weightless and at rest. A step is
 necessary, because SAPIEN detects contacts in a step only. ``find_contacts`` reads the contacts that PhysX detected at

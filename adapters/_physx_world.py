@@ -49,7 +49,7 @@ class PhysxWorld:
         self.components: dict[int, Any] = {}
         """Component of each body."""
         self.body_of: dict[Any, int] = {}
-        """Body, ground or fixed box of each component.
+        """Id of the body, the ground or the fixed body of each component.
 
         While the map holds the Python object of a component, SAPIEN returns this object for the component.
         """
@@ -58,7 +58,7 @@ class PhysxWorld:
         self.states = BodyStates(self.system, self.components, self.body_of)
 
     def add_fixed(self, body: int, box: Brick) -> None:
-        """Add the ground or a fixed body; ``body`` is its id in contacts."""
+        """Add the ground or a fixed body, with the id ``body`` in contacts."""
         component = physx.PhysxRigidStaticComponent()
         self._add(component, box)
         self.body_of[component] = body
@@ -102,7 +102,7 @@ class PhysxWorld:
         self.states.count_rows()
 
     def join(self, pair: tuple[int, int], radius: float) -> None:
-        """Join two bodies by joints that lock three points, ``radius`` [m] from the middle of both."""
+        """Join two bodies by joints that lock three points, ``radius`` [m] from the middle of the bodies' centres."""
         first, second = (self.components[body] for body in pair)
         poses = [component.entity.pose for component in (first, second)]
         middle = (poses[0].p + poses[1].p) / 2

@@ -17,8 +17,8 @@ from stability_core.ports.pymunk_calls import forget_pairs, freeze, halt, unfree
 from stability_core.ports.pymunk_reader import SpaceReader
 
 MIN_GROUND_WIDTH = 20.0
-"""Least width [m] of the ground, so that all scenes but the largest have the same ground. The width matters, because
-Chipmunk clips a brick by the ends of the ground, so that the last bits of all contacts depend on the width."""
+"""Least width [m] of the ground, so that all scenes but the largest have the same ground. Chipmunk clips a brick by the
+ends of the ground. Therefore the last bits of all contacts depend on the width."""
 
 
 class PymunkWorld:
@@ -30,9 +30,9 @@ class PymunkWorld:
         for setting, value in profile.values.items():
             setattr(self.space, setting, value)
         self.bodies: dict[int, pymunk.Body] = {}
-        """Chipmunk's object of each body, without the ground and the fixed boxes."""
+        """Chipmunk's object of each body, without the ground and the fixed bodies."""
         self.fixed_rows = 1 + len(world.fixed)
-        """Number of rows of the ground and the fixed boxes. These rows come last, so that negative ids select them."""
+        """Number of rows of the ground and the fixed bodies. These rows come last, so that negative ids select them."""
         self.reader = SpaceReader(self.space, self.fixed_rows)
         self.depths = np.full(self.fixed_rows, np.inf)
         """Extents along y [m], by the rows of ``reader``."""
@@ -45,7 +45,7 @@ class PymunkWorld:
         self.space.gravity = planar_gravity(gravity)
 
     def add_fixed(self, body: int, box: Brick) -> None:
-        """Add the ground or a fixed body; ``body`` is its id in contacts."""
+        """Add the ground or a fixed body, with the id ``body`` in contacts."""
         length, depth, height = box.size
         if body == GROUND:
             length, depth = max(length, self._min_ground_width), np.inf
@@ -95,7 +95,7 @@ class PymunkWorld:
         self._new_statics.clear()
 
     def step(self, seconds: float) -> None:
-        """Make one step of ``seconds``."""
+        """Make one step of ``seconds`` [s]."""
         self.space.step(seconds)
         self.reader.note_change()
 
@@ -109,7 +109,7 @@ class PymunkWorld:
         self.bodies[body] = planar
 
     def _add(self, body: int, planar: pymunk.Body, box: Brick, size: Vector) -> None:
-        """Add the engine's body ``planar`` for a brick with the edges ``size`` [m]; ``body`` is its id in contacts."""
+        """Add the engine's body ``planar`` for a brick with edges ``size`` [m], with the id ``body`` in contacts."""
         length, depth, height = size
         planar.position, planar.angle = in_plane(box.position, box.quaternion)
         if box.shape == "sphere":
@@ -129,7 +129,7 @@ class PymunkWorld:
         self.depths[body] = depth
 
     def _longer(self, depths: FloatArray) -> FloatArray:
-        """Return the depths [m] with as many rows as the reader has; a row without a body is infinite."""
+        """Return the depths [m] with as many rows as the reader has, infinite in a row without a body."""
         longer = np.full(self.reader.rows, np.inf)
         bodies = len(depths) - self.fixed_rows
         longer[:bodies] = depths[:bodies]

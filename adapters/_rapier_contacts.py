@@ -11,7 +11,7 @@ from stability_core.ports.rapier_calls import placed_points
 
 
 def in_bodies(pairs: IntArray, local: FloatArray, turned: Collection[int]) -> FloatArray:
-    """Convert normals and points (n, 9) from the frames of the colliders to the frames of the bodies.
+    """Convert normals and points (n, 9), in place, from the frames of the colliders to the frames of the bodies.
 
     Args:
         pairs: bodies a and b, shape (n, 2).
@@ -39,7 +39,7 @@ def in_world(
     Args:
         pairs: bodies a and b, shape (n, 2).
         local: normals and points from ``local_points``, shape (n, 9).
-        fixed: positions (k, 3) [m] and quaternions (k, 4) of fixed boxes and ground, by rising id.
+        fixed: positions (k, 3) [m] and quaternions (k, 4) of fixed bodies and ground, by rising id.
         poses_of: returns the positions (m, 3) [m] and quaternions (m, 4) of bodies, given their ids (m,).
     """
     fixed_positions, fixed_quaternions = fixed

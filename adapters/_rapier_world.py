@@ -19,7 +19,7 @@ from stability_core.port import FloatArray
 from stability_core.ports.rapier_rotation import settle_rotation
 
 BODY_KNOBS = ("body.can_sleep", "body.activation.linear_threshold", "body.activation.angular_threshold")
-"""Knobs that are settings of each body; all other knobs are settings of the world."""
+"""Knobs that are settings of each body. All other knobs are settings of the world."""
 
 
 VERTICES_OF_A_FACE = 4
@@ -34,7 +34,7 @@ _UNTURNED = (0.0, 0.0, 0.0, 1.0)
 
 
 def knows(knob: str) -> bool:
-    """Return whether a knob of this name may exist; Rapier itself rejects an unknown setting of the world."""
+    """Return whether a knob of this name may exist. Rapier itself rejects an unknown setting of the world."""
     return not knob.startswith("body.") or knob in BODY_KNOBS
 
 
@@ -47,11 +47,11 @@ class RapierWorld:
         self.views: dict[int, rapier3d.RigidBody] = {}
         self.colliders: dict[int, rapier3d.ColliderHandle] = {}
         self.body_of: dict[rapier3d.ColliderHandle, int] = {}
-        """Body, ground or fixed box of each collider."""
+        """Id of the body, the ground or the fixed body of each collider."""
         self.fixed_poses: tuple[FloatArray, FloatArray] = np.empty((0, 3)), np.empty((0, 4))
-        """Positions (k, 3) [m] and quaternions (k, 4) of fixed boxes and ground, by rising id."""
+        """Positions (k, 3) [m] and quaternions (k, 4) of fixed bodies and ground, by rising id."""
         self.turned: set[int] = set()
-        """Cylinders, whose collider is turned in its body, because Rapier's cylinders have their axis along y."""
+        """Ids of the cylinders. Their colliders are turned, because Rapier's cylinders have their axis along y."""
         self._joints: dict[tuple[int, int], rapier3d.ImpulseJointHandle] = {}  # of each joined pair
         self._world = world
         values = profile.values
@@ -61,7 +61,7 @@ class RapierWorld:
             self._configure(name, value)
 
     def add_fixed(self, body: int, box: Brick) -> None:
-        """Add the ground or a fixed body; ``body`` is its id in contacts, lower than all earlier ids."""
+        """Add the ground or a fixed body, with the id ``body`` in contacts, lower than all earlier ids."""
         fixed = rapier3d.RigidBody.fixed().position((box.position, scalar_last(box.quaternion)))
         if box.shape == "cylinder":  # which needs a body, in which its collider is turned
             self.turned.add(body)
@@ -129,7 +129,7 @@ class RapierWorld:
         del self.world
 
     def read_knobs(self, names: Iterable[str]) -> dict[str, KnobValue]:
-        """Return the present values of the named knobs that are settings of the world."""
+        """Return the present values of the named knobs that are settings of the world, except ``num_threads``."""
         own = (name for name in names if name not in BODY_KNOBS and name != "num_threads")
         return {name: attrgetter(name)(self.world.integration_parameters) for name in own}
 

@@ -1,11 +1,13 @@
 """Staggered projections after Kaufman et al. 2008: a reference engine, written in this repository.
 
-Each step alternates two quadratic programs, for impact and for friction, until both agree: see ``_staggered_solver``.
-The engine contains no scene, no sleeping and no policy, and shares no code with the judge, so that its results are
-independent of the suite. Use the engine for scenes of up to about 50 bricks, because the engine is slow.
+Each step alternates two quadratic programs, for impact and for friction, until both agree or the turns are exhausted:
+see ``_staggered_solver``. The engine contains no scene, no sleeping and no policy, and shares no code with the judge
+(``scenarios.statics``). Therefore its results are independent of the suite. Use the engine for scenes of up to about 50
+bricks, because the engine is slow.
 
-Overlaps: the contacts of a step do not add to an overlap, but rotation and placing cause overlaps. The adapter removes
-an overlap of more than 0.01 mm by displacements, so that the removal adds no velocity.
+Overlaps: the contacts of a step do not add to an overlap, but rotation and placing cause overlaps. If the deepest
+overlap exceeds 0.01 mm, each step removes the share ``overlap_share`` of every overlap by displacements, so that the
+removal adds no velocity.
 
 Warm start: each contact starts with the friction of the step before, at the nearest point of the same pair. At rest the
 first impact program then agrees with the friction, and the step solves one program only.
@@ -29,7 +31,7 @@ from stability_core.port import FloatArray
 KNOBS = frozenset({"tolerance", "turns", "memory", "cone", "overlap_share"})
 """Knobs that a profile may have."""
 DEEP = 1e-5
-"""Overlap [m] from which a step corrects overlaps; smaller overlaps are not visible, and cost no program."""
+"""Depth [m] of the deepest overlap from which a step corrects overlaps. Smaller overlaps are not visible."""
 MOST_PUSHED = 2e-3
 """Greatest overlap [m] that a step removes, so that a deep overlap does not throw bodies."""
 
@@ -60,13 +62,16 @@ class StaggeredSimulation(ReferenceSimulation):
 
     def _open(self) -> None:
         if self.info.sleeping != "off":
-            raise NotImplementedError("staggered: this reference engine has no sleeping of its own; use sleeping='off'")
+            raise NotImplementedError(
+                "staggered: this reference engine has no sleeping of its own: use policy 'none', or sleeping='off'"
+            )
         knobs = self.info.profile.values
         self._share = float(knobs["overlap_share"])
         cone = str(knobs["cone"])
         if cone not in CONES:
             raise ValueError(
-                f"staggered: the knob 'cone' must be one of {', '.join(CONES)}, got {cone!r}: edit the profile"
+                f"staggered: the knob 'cone' must be one of {', '.join(CONES)}, got {cone!r}: correct the profile "
+                f"'{self.info.profile.name}'"
             )
         self._solver = StaggeredSolver(
             self.world.friction, float(knobs["tolerance"]), int(knobs["turns"]), int(knobs["memory"]), cone

@@ -38,11 +38,12 @@ from stability_core.port import FloatArray, IntArray
 ACCURACY = 1e-9
 """Residual of a quadratic program, in the scaled units: a thousandth of ``CLEAR_BOUND``."""
 CLEAR_BOUND = 1e-6
-"""Least normal impulse, in units of a step's weight of a mean body, that has friction. Friction of a smaller impulse
-changes a velocity by a millionth of what gravity adds in a step."""
+"""Bound mu alpha, in units of the impulse of a mean body's weight in a step, above which the friction program contains
+a contact. Friction of a smaller bound changes the velocity of a mean body by less than a millionth of the change by
+gravity in a step."""
 STIFF = 1e6
-"""Ratio of the cost of a remaining approach to the cost of a change of velocity, where bodies are squeezed between two
-boxes that cannot yield, so that no velocity avoids penetration."""
+"""Ratio of the cost of a remaining approach to the cost of a change of velocity. The ratio counts if no velocities
+avoid penetration, for example of a body between two boxes that approach each other."""
 
 _SOLVED = (piqp.PIQP_SOLVED, piqp.PIQP_MAX_ITER_REACHED)
 
@@ -75,7 +76,9 @@ def normal_rows(problem: ContactRows) -> sparse.csc_matrix:
 
 
 def impact(normals: sparse.csc_matrix, before: FloatArray, least: FloatArray) -> Impact:
-    """Return the velocities nearest to ``before`` that approach no contact by more than its gap.
+    """Return the velocities w nearest to ``before`` with N w >= ``least``, and the normal impulses.
+
+    If no velocities satisfy this condition, the remaining approach has the cost ``STIFF``.
 
     Args:
         normals: the rows N, shape (n, 6 m).
@@ -98,6 +101,8 @@ def impact(normals: sparse.csc_matrix, before: FloatArray, least: FloatArray) ->
 def friction_in_box(problem: ContactRows, before: FloatArray, bound: FloatArray) -> Friction:
     """Return the friction of greatest dissipation with |beta| <= bound along each tangent.
 
+    Contacts with a bound of at most ``CLEAR_BOUND`` have no friction.
+
     Args:
         problem: the contacts.
         before: velocities w0, shape (6 m,).
@@ -117,7 +122,10 @@ def friction_in_box(problem: ContactRows, before: FloatArray, bound: FloatArray)
 
 
 def friction_in_disc(problem: ContactRows, before: FloatArray, bound: FloatArray) -> Friction:
-    """Return the friction of greatest dissipation with |beta| <= bound in the plane of the contact."""
+    """Return the friction of greatest dissipation with |beta| <= bound in the plane of the contact.
+
+    For the arguments and for small bounds, see ``friction_in_box``.
+    """
     loaded = np.flatnonzero(bound > CLEAR_BOUND)
     size, n = len(before), len(loaded)
     if not n:

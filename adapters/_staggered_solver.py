@@ -5,20 +5,21 @@
         w, alpha = impact(start + D^T beta)
         residual = the greatest violation of the law of friction by (w, alpha, beta)
         beta = friction(start + N^T alpha)
-    until the residual is small
+    until the residual is small, or the turns are exhausted
 
-Each turn ends with an impact, so that nothing penetrates. Both programs are projections, and neither program adds
-kinetic energy. The alternation may fail to converge. The solver then returns the iterate with the least residual.
+The result comes from an impact program, so that nothing penetrates, unless no velocities avoid penetration. Both
+programs are projections, and neither program adds kinetic energy. The alternation may fail to converge. The solver then
+returns the iterate with the least residual.
 
-The matrix D D^T has the diagonal d. The projection of beta - D w / d on the cone of mu alpha differs from beta by a
-change of velocity, the residual of the contact. The residual is zero if and only if the friction obeys Coulomb's law,
-for the alpha of the same impact. See ``_staggered_programs`` for the symbols. The unit is the velocity that gravity
-adds in a step.
+The matrix D D^T has the diagonal d. Let b be the projection of beta - D w / d on the cone of mu alpha. The residual of
+a contact is d times the difference between beta and b. The residual is zero if and only if the friction obeys Coulomb's
+law, for the alpha of the same impact. See ``_staggered_programs`` for the symbols. The unit is the velocity that
+gravity adds in a step.
 
 Source: D. M. Kaufman, S. Sueda, D. L. James, D. K. Pai, "Staggered projections for frictional contact in multibody
 systems", ACM Transactions on Graphics 27(5), 2008. The scheme follows two public implementations, SCISim and
-ContactBench, because the text of the paper was not available. The stopping rule, the box as the default cone and the
-correction of overlaps are additions of this module.
+ContactBench, because the text of the paper was not available. The stopping rule, the box as the default cone, the
+acceleration (``Mixing``) and the correction of overlaps are additions of this module.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ class Turns:
     residual: float
     """Residual of the returned iterate, in units of U (``reference.contact_rows``)."""
     rise: float
-    """Greatest rise of kinetic energy in a half-step, in units of the energy of a mean body at that velocity. It is
+    """Greatest rise of kinetic energy in one program, in units of M U^2 (``reference.contact_rows``). The rise is
     positive by the programs' rounding errors only, unless the host moves a body of the contacts."""
 
 
@@ -62,7 +63,7 @@ class Mixing:
     """
 
     def __init__(self, problem: ContactRows, memory: int) -> None:
-        """Start with a new problem; combine ``memory`` earlier turns."""
+        """Start without turns for a contact problem; ``mixed`` combines up to ``memory`` earlier turns."""
         self._problem = problem
         self._memory = memory
         self._turns: list[tuple[FloatArray, FloatArray]] = []
@@ -88,7 +89,7 @@ class StaggeredSolver:
     friction: float
     """Coefficient of every contact."""
     tolerance: float
-    """Residual at which the alternation ends."""
+    """Residual, in units of U (``reference.contact_rows``), at which the alternation ends."""
     most_turns: int
     """Greatest number of turns."""
     memory: int
@@ -149,7 +150,7 @@ class StaggeredSolver:
             problem: the contact problem.
             velocity: velocities (m, 6) after the contacts.
             share: share of an overlap that the step removes.
-            most: greatest removed overlap, over the distance that the velocity unit covers in a step.
+            most: greatest removed overlap, divided by the distance that the velocity unit covers in a step.
         """
         ahead = problem.gap + _along(problem, problem.jacobian[:, :1], velocity.ravel())[:, 0] + problem.drive[:, 0]
         least = np.where(ahead < 0.0, np.minimum(-share * ahead, most), -ahead)

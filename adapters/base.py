@@ -1,4 +1,4 @@
-"""``Simulation``: the world that the harness drives. The public methods check their input alike on every engine.
+"""``Simulation``: the world that the harness drives, with checks of bodies, poses and vectors for every engine.
 
 An adapter implements the hooks of ``adapters.hooks``.
 """
@@ -35,23 +35,28 @@ __all__ = ["Capabilities", "EngineInfo", "EnginePort", "Knob", "Profile", "Simul
 
 
 class Simulation(EngineHooks):
-    """One world of one engine. Positions [m] and quaternions (w, x, y, z) refer to centres of mass."""
+    """One world of one engine.
+
+    A pose is the position [m] of a centre of mass and a quaternion (w, x, y, z). Every method may raise ``PeerError``
+    on an engine in a separate process.
+    """
 
     port_type: ClassVar[type[EnginePort]] = EnginePort
 
     def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
-        """Open an empty world with its ground and its fixed bodies.
+        """Open a world with the ground and the fixed bodies only.
 
         Args:
-            profile: one of ``profiles``.
+            profile: settings of the engine.
             world: friction, restitution, gravity and fixed bodies.
-            sleeping: mode of the engine's own sleeping: off, as shipped, or with its threshold raised.
+            sleeping: mode of the engine's own sleeping: off, on (native), or on with a raised threshold.
             expected: the bricks that the host plans to spawn, for engines that must allocate in advance.
                 An adapter may ignore this list, and must also accept other bricks.
 
         Raises:
-            ValueError: if a fixed body is not valid.
-            NotImplementedError: if the adapter cannot build a fixed or an expected body; the message gives the reason.
+            ValueError: if a fixed body is not valid, or a fixed body or gravity leaves the plane of a planar engine.
+            NotImplementedError: if the adapter cannot build a fixed or an expected body, or lacks the world's
+                restitution or the sleeping mode; the message gives the reason.
         """
         for body in world.fixed:
             check_body(body)
@@ -69,18 +74,21 @@ class Simulation(EngineHooks):
         self._port = self.port_type(self)
         self._is_observed = False
         self.own_step_s: float | None = None
-        """Duration [s] of the engine's own steps in the latest frame; None if it equals the duration of ``step``."""
+        """Wall time [s] of the engine's steps in the latest frame; None unless a separate process reports the time."""
         self._open()
 
     @classmethod
     def check_installed(cls) -> None:
-        """Raise ``ImportError`` if the adapter loads, but the engine opens no world."""
+        """Raise ``ImportError`` if the adapter loads, but the engine cannot open a world. By default, raise nothing."""
 
     # -- driven by the harness ---------------------------------------------------------------------
 
     @property
     def port(self) -> EnginePort:
-        """Return the core's view of the simulation; until the first access the engine need not record contact data."""
+        """Return the core's view of the simulation.
+
+        The first access compiles the kernels. The engine need not record contact data before this access.
+        """
         if not self._is_observed:
             self._is_observed = True
             prepare()
@@ -93,20 +101,22 @@ class Simulation(EngineHooks):
 
     @property
     def is_observed(self) -> bool:
-        """Return True after the first access to ``port``; from then on the engine must record contact velocities."""
+        """Return True after the first access to ``port``, because from then on the engine must record contact data."""
         return self._is_observed
 
     @property
     def reads_forces(self) -> bool:
-        """Return whether the engine must record contact forces: port in use, and forces in engine and profile."""
+        """Return whether the engine must record contact forces.
+
+        True if ``port`` is in use, the engine reports forces, and ``Profile.forces`` is True.
+        """
         return self.is_observed and self.info.profile.forces and self.capabilities.forces != "no"
 
     def spawn(self, brick: Brick) -> int:
         """Add a brick at rest to the world, live or moved by the host; return its id.
 
         Raises:
-            ValueError: if size or mass is not positive and finite, or the shape is not valid, or the pose is not
-                finite, or leaves the plane of a planar engine.
+            ValueError: if a property of the brick is not valid, or the pose leaves the plane of a planar engine.
             NotImplementedError: if the adapter cannot build the brick; the message gives the reason.
         """
         check_mass(brick)
@@ -147,9 +157,10 @@ class Simulation(EngineHooks):
             self._push(body, impulse)
 
     def apply_force(self, body: int, force: Vector) -> None:
-        """Apply a steady force [N] at a body's centre of mass, in every step until a call with a force of zero.
+        """Set the steady force [N] at a body's centre of mass for all following steps.
 
-        The force does not affect a moved body. The force affects a frozen body only when the body is live again.
+        A force of zero ends the steady force. The force does not affect a moved body. The force affects a frozen body
+        only when the body is live again.
 
         Raises:
             KeyError: if no body has this id.
@@ -176,7 +187,10 @@ class Simulation(EngineHooks):
                 f"{sorted(self.bodies.moved)}: pass one of these ids, or spawn the body as Brick(..., moved=True)"
             )
         if not (np.isfinite(linear).all() and np.isfinite(angular).all()):
-            raise ValueError(f"velocities must be finite, got {linear} m/s and {angular} rad/s; check for NaN")
+            raise ValueError(
+                f"velocities of body {body} must be finite, got {linear} m/s and {angular} rad/s; check for NaN or a "
+                "division by zero"
+            )
         if self.capabilities.planar and (linear[1] or angular[0] or angular[2]):
             raise ValueError(
                 f"{self.engine} is planar: velocities must lie in the x-z plane and spins along y, got {linear} m/s, "
@@ -196,11 +210,12 @@ class Simulation(EngineHooks):
         self.world = replace(self.world, gravity=gravity)
 
     def move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
-        """Set a body's pose, and stop the body.
+        """Set a body's pose, and stop the body. In the next step a moved body has the velocities of ``drive`` again.
 
         Raises:
             KeyError: if no body has this id.
-            ValueError: if the pose is not finite, or leaves the plane of a planar engine.
+            ValueError: if the position is not finite, the quaternion is not of unit length, or the pose leaves the
+                plane of a planar engine.
         """
         self.bodies.check_known((body,))
         check_pose(position, quaternion)
@@ -230,8 +245,8 @@ class Simulation(EngineHooks):
         - Deeper overlaps and crossing edges have the contacts that the engine detects at the present poses.
         - Separations and relative velocities belong to the present poses and velocities. There are no forces,
           because no step has solved these contacts.
-        - A later freeze, removal or move of a body deletes its contacts. A later new or unfrozen body has no contacts
-          until the next step or call.
+        - A later removal or move of a body deletes its contacts. A later new body has no contacts until the next step
+          or call.
 
         The call changes no pose and no velocity by a bit. The simulation continues as without the call, unless the
         docstring of the adapter states an exception.
@@ -244,7 +259,10 @@ class Simulation(EngineHooks):
         return bodies, *self._poses(bodies)
 
     def velocities(self) -> tuple[FloatArray, FloatArray]:
-        """Return linear (n, 3) [m/s] and angular (n, 3) [rad/s] velocities, in the order of ``poses``."""
+        """Return linear (n, 3) [m/s] and angular (n, 3) [rad/s] velocities, in the order of ``poses``.
+
+        The rows of moved bodies depend on the engine. ``velocities_now`` returns the host's values for these bodies.
+        """
         return self._velocities(self.bodies.ids())
 
     def read_knobs(self) -> Mapping[str, KnobValue]:
@@ -274,18 +292,14 @@ class Simulation(EngineHooks):
     # -- for adapters ------------------------------------------------------------------------------
 
     def _fixed_boxes(self) -> Iterator[tuple[int, Brick]]:
-        """Yield the ground, whose size grows with the scene, and the fixed boxes, each with its id in contacts."""
+        """Yield the ground, whose size grows with the scene, and the fixed bodies, each with its id in contacts."""
         middle = self.scale * self.info.profile.offset
         yield GROUND, ground_box((*self.expected, *self.world.fixed), self.scale, middle)
         for index, box in enumerate(self.world.fixed):
             yield fixed_id(index), box
 
     def _act_on_bodies(self, seconds: float) -> None:
-        """Apply steady forces and the velocities of moved bodies; adapters call this method before each substep.
-
-        Args:
-            seconds: length of the substep.
-        """
+        """Apply the steady forces and the velocities of moved bodies to the adapter's next step of ``seconds`` [s]."""
         for body, (linear, angular) in self.bodies.moved.items():
             self._drive(body, linear, angular, seconds)
         for body, force in self.bodies.steady.items():
@@ -295,8 +309,8 @@ class Simulation(EngineHooks):
     def _twin(self) -> Self:
         """Open a second, weightless world of the engine: the same bodies under the same ids, at their present poses.
 
-        Live bodies are at rest in the second world. The method serves engines that detect contacts only in a step, or
-        whose state a query changes. The caller must close the second world.
+        All bodies are at rest in the second world, without joints and steady forces. The method serves engines that
+        detect contacts only in a step, or whose state a query changes. The caller must close the second world.
         """
         twin = type(self)(self._unfitted, replace(self.world, gravity=(0.0, 0.0, 0.0)), "off", self.expected)
         positions, quaternions = self._poses(self.bodies.ids())

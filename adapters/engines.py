@@ -1,4 +1,4 @@
-"""The engines by name, with module, class and package. A process imports a module on first use."""
+"""Table of the engines by name. The entry of an engine imports the adapter on first use."""
 
 from __future__ import annotations
 
@@ -31,11 +31,21 @@ class EngineEntry(Protocol):
         ...
 
     def version(self) -> str:
-        """Return the engine's version."""
+        """Return the engine's version.
+
+        Raises:
+            ImportError: if the engine's package is missing.
+            PeerError: if an engine behind the bridge does not start.
+        """
         ...
 
     def load(self) -> Any:
-        """Return the engine's class, a subclass of ``adapters.base.Simulation``."""
+        """Return the engine's class, a subclass of ``adapters.base.Simulation``.
+
+        Raises:
+            ImportError: if the adapter does not load.
+            PeerError: if an engine behind the bridge does not start.
+        """
         ...
 
 
@@ -50,7 +60,7 @@ class Entry:
     module: str
     simulation: str
     package: str
-    """The Python distribution that contains the engine. Records state its version as the engine's version."""
+    """The Python distribution that contains the engine. Records state the version of this distribution."""
     is_optional: bool = False
 
     @property
@@ -70,7 +80,7 @@ class Entry:
         """Return the class of the adapter.
 
         Raises:
-            ImportError: if the package is missing.
+            ImportError: if the package is missing, or is a release that the adapter cannot import.
         """
         return getattr(importlib.import_module(self.module), self.simulation)
 
@@ -80,12 +90,12 @@ _WASM_LOCK = Path(__file__).parent / "wasm" / "package-lock.json"
 
 @dataclass(frozen=True, slots=True)
 class WasmEntry:
-    """An engine that runs in Node. The adapter loads without Node."""
+    """An engine that runs in Node.js. The adapter loads without Node.js."""
 
     module: str
     simulation: str
     package: str
-    """The npm package that contains the engine. Records state its version as the engine's version."""
+    """The npm package that contains the engine. Records state the version of this package."""
     is_optional: bool = True
 
     @property
@@ -112,7 +122,7 @@ class LibraryEntry:
     adapter: str
     """Module of the adapter."""
     library: str
-    """Module that loads the library and defines ``VERSION``."""
+    """Module that loads the library. Its ``VERSION`` is the engine's version in records."""
     group: str
     """Dependency group with one of the packages that provide the library."""
     is_optional: bool = True
@@ -126,7 +136,7 @@ class LibraryEntry:
         """Return the version of the library in use.
 
         Raises:
-            ImportError: if the library is missing.
+            ImportError: if the library is missing, or does not export ODE's functions.
         """
         return str(importlib.import_module(self.library).VERSION)
 
@@ -142,9 +152,9 @@ class ReferenceEntry:
     module: str
     simulation: str
     revision: int
-    """Number of the engine's version, raised by every change of its poses."""
+    """Version number of the engine. A change of the code that changes poses must raise this number."""
     package: str = ""
-    """The Python distribution that solves the engine's programs; empty if the engine needs none."""
+    """The Python distribution that solves the engine's quadratic programs; empty if the engine needs none."""
     is_optional: bool = False
 
     @property
@@ -153,7 +163,7 @@ class ReferenceEntry:
         return _install_engines(self.package)
 
     def version(self) -> str:
-        """Return the revision, and the version of the package.
+        """Return the revision, then in brackets the package and its version if the engine needs a package.
 
         Raises:
             PackageNotFoundError: if the package is missing.
@@ -191,6 +201,7 @@ def engine_version(engine: str) -> str:
 
     Raises:
         UnknownNameError: if no engine has this name.
-        PackageNotFoundError: if the package of the engine is missing.
+        ImportError: if the package or the library of the engine is missing.
+        PeerError: if an engine behind the bridge does not start.
     """
     return look_up("engine", engine, ENGINES).version()

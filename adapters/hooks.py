@@ -1,12 +1,13 @@
-"""The hooks that an adapter implements. The port, the base class and the substep loop use an engine by hooks only.
+"""The hooks that an adapter implements: the only engine-specific code that the port and the base classes call.
 
 For every hook:
 
-- The caller has checked the input: ids are of bodies that exist; lengths, poses and forces are finite. An adapter only
-  rejects input that leaves the plane of a planar engine (``ValueError``).
-- Positions [m] and quaternions (w, x, y, z) refer to centres of mass, in the scene's frame. All units are SI.
-- Arrays of ids are in rising order. A hook returns one row per id, in the order of the ids, as float64. The arrays must
-  be copies, because the caller may write into them, unless the docstring of the hook allows views.
+- The caller has checked the arguments: bodies exist, values are finite, and poses and vectors lie in the plane of a
+  planar engine.
+- Positions [m] are of centres of mass, and quaternions are (w, x, y, z), both in the scene's frame. All units are SI.
+- Arrays of ids may be in any order, and may contain an id more than once. A hook returns one row per entry, in the same
+  order, as float64. The arrays must be copies, because the caller may write into them, unless the docstring of the
+  hook allows views.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ Pair: TypeAlias = tuple[int, int]
 
 
 class EngineHooks(ABC):
-    """The suite's interface to an engine. Every adapter implements the hooks in the order of this class."""
+    """The suite's interface to an engine."""
 
     engine: ClassVar[str]
     capabilities: ClassVar[Capabilities]
@@ -34,19 +35,19 @@ class EngineHooks(ABC):
     sleep_knobs: ClassVar[Mapping[str, Mapping[str, Knob]]] = {}
     """Knobs added to every profile, by the mode of the engine's own sleeping: off, native or raised."""
     missing_knobs: ClassVar[frozenset[str]] = frozenset()
-    """Knobs of the profile file that the installed release of the engine does not have; no profile contains them."""
+    """Knobs of the profile file that no profile contains, because the installed release does not have them."""
     iterations: ClassVar[str]
-    """Name of the knob for the greatest number of solver iterations per step; empty if the engine has no such knob."""
+    """Name of the knob for the number of solver iterations per step, or for its limit; empty without such a knob."""
 
     info: EngineInfo
     """Engine, version, profile and sleeping. The profile is complete: it contains the knobs of the sleeping mode, and
     lengths that suit the expected bricks."""
     world: World
-    """Friction, present gravity and fixed boxes."""
+    """Friction, restitution, present gravity and fixed bodies."""
     bodies: Bodies
     pair_friction: PairFriction
     expected: tuple[Brick, ...]
-    """The bricks that the host plans to spawn; the host may spawn other bricks as well."""
+    """The bricks that the host plans to spawn. The host may spawn other bricks as well."""
 
     @staticmethod
     def knows_knob(name: str, /) -> bool:  # noqa: ARG004 - adapters set it to the check of their profile file
@@ -57,13 +58,14 @@ class EngineHooks(ABC):
 
     @abstractmethod
     def _open(self) -> None:
-        """Open the engine's world with the settings of ``info``, the ground and the fixed boxes, but no body.
+        """Open the engine's world with the settings of ``info``, the ground and the fixed bodies only.
 
         The constructor calls this hook once, at its end, when ``info``, ``world``, ``bodies`` and ``expected`` are set.
         An adapter has no constructor of its own, and creates its attributes here.
 
         Raises:
-            NotImplementedError: if the engine has no sleeping mode ``info.sleeping``; the message names the reason.
+            NotImplementedError: if the engine cannot open such a world, for example if it has no sleeping mode
+                ``info.sleeping``; the message gives the reason.
         """
 
     def _read_knobs(self) -> Mapping[str, KnobValue]:
@@ -76,13 +78,12 @@ class EngineHooks(ABC):
     def _spawn(self, body: int, brick: Brick) -> None:
         """Add a live body at rest.
 
-        The call may come at any time between steps. ``body`` is a new id, one above the latest id, and is not in
-        ``bodies`` yet.
+        The call may come at any time between steps. ``body`` is a new id, higher than all earlier ids.
         """
 
     @abstractmethod
     def _spawn_moved(self, body: int, brick: Brick) -> None:
-        """Add a body that only ``_drive`` moves, under the conditions of ``_spawn``."""
+        """Add a body at rest that forces and contacts do not move. The conditions of ``_spawn`` apply."""
 
     @abstractmethod
     def _remove(self, body: int) -> None:
@@ -94,7 +95,7 @@ class EngineHooks(ABC):
 
     @abstractmethod
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
-        """Set the pose of a live, frozen or moved body, and stop the body; a frozen body stays frozen."""
+        """Set the pose of a live, frozen or moved body, and stop the body. A frozen body stays frozen."""
 
     # -- actions -----------------------------------------------------------------------------------
 
@@ -104,16 +105,17 @@ class EngineHooks(ABC):
 
     @abstractmethod
     def _press(self, body: int, force: Vector) -> None:
-        """Apply a force [N] at the centre of mass of a live body in the next substep.
+        """Apply a force [N] at the centre of mass of a live body in the adapter's next step.
 
-        The call comes before each substep while the force is not zero, and once with zero when the force ends.
+        The call comes before each step while the force is not zero, and once with zero when the force ends or the body
+        freezes.
         """
 
     @abstractmethod
     def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:
-        """Give a moved body the velocity [m/s] and the spin [rad/s] for the next substep of ``seconds``.
+        """Give a moved body the velocity [m/s] and the spin [rad/s] for the adapter's next step of ``seconds`` [s].
 
-        The call comes before each substep for every moved body, also while the body's velocities are zero.
+        The call comes before each step for every moved body, also while the body's velocities are zero.
         """
 
     @abstractmethod
@@ -127,7 +129,7 @@ class EngineHooks(ABC):
 
     @abstractmethod
     def _step(self, seconds: float) -> None:
-        """Advance the world by one frame of ``seconds``; ``SubstepSimulation`` implements this hook."""
+        """Advance the world by one frame of ``seconds`` [s]. ``SubstepSimulation`` implements this hook."""
 
     def _solver_iterations(self) -> int | None:
         """Return the greatest number of solver iterations of any island in the latest engine step; None if unknown.
@@ -154,7 +156,8 @@ class EngineHooks(ABC):
     def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
         """Return linear (k, 3) [m/s] and angular (k, 3) [rad/s] velocities of any bodies; k may be 0.
 
-        Frozen bodies have zero velocity. The caller ignores the values of moved bodies: see ``velocities_now``.
+        Frozen bodies have zero velocity. The values of moved bodies may be arbitrary, because ``velocities_now``
+        replaces them.
         """
 
     # -- called by the port ------------------------------------------------------------------------
@@ -179,19 +182,24 @@ class EngineHooks(ABC):
         The call may come at any time between steps, for a pair that is not joined. An adapter whose capabilities state
         ``weld`` implements this hook and ``_part``.
         """
-        raise NotImplementedError(f"{self.engine}: the capabilities state a weld, but the adapter has no method _join")
+        raise NotImplementedError(
+            f"{self.engine}: the capabilities state a weld, but the adapter has no method _join; add this method"
+        )
 
     def _part(self, pair: Pair) -> None:
         """End the joint of a joined pair. The call may come at any time between steps."""
-        raise NotImplementedError(f"{self.engine}: the capabilities state a weld, but the adapter has no method _part")
+        raise NotImplementedError(
+            f"{self.engine}: the capabilities state a weld, but the adapter has no method _part; add this method"
+        )
 
     @abstractmethod
     def _contacts(self) -> Contacts:
         """Return every contact of the latest step that touches a live body and no removed body.
 
-        The call comes between steps while a body is live, also before the first step, and after a freeze, an unfreeze,
-        a move or a removal. Normals point from a to b. The id of the ground is ``GROUND``, and the id of a fixed box is
-        ``contact_completion.fixed_id``. Unknown values are NaN. The arrays may be views until the next step.
+        The call comes between steps while a body is live. It may come before the first step, and after a freeze, an
+        unfreeze, a move or a removal. Normals point from a to b. The id of the ground is ``GROUND``, and ``fixed_id``
+        of ``contact_completion`` returns the id of a fixed body. Unknown values are NaN. The arrays may be views until
+        the next step.
         """
 
     @abstractmethod

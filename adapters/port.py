@@ -1,16 +1,16 @@
 """The core's view of a simulation: ``EnginePort``, which completes the engine's contacts and tracks bodies.
 
-The hook ``_contacts`` returns the engine's contacts. The port adds missing contacts, in the same way for every engine
-and from the bodies' geometry only:
+The hook ``_contacts`` returns the engine's contacts. The port adds missing contacts from the bodies' shapes, poses and
+velocities, with the same code for every engine:
 
 1. Missing corners of contact areas, and pairs that nearly touch, unless the engine lists both (``near_contacts``). For
    a pair with a body that is no box, the port adds missing corners on every engine (``convex_contacts``).
-2. Contacts between host-driven and frozen bodies, because no engine lists contacts of two bodies that forces do not
-   move.
+2. Contacts between host-driven and frozen bodies, because most engines list no contacts of two bodies that forces do
+   not move.
 3. Pairs that will meet within the next frames, while any body is fast.
 
-In adapters each fixed box has its own id, because the port completes the contacts of each box separately. The port then
-replaces these ids by ``GROUND`` for the core.
+In adapters each fixed body has its own id, because the port completes the contacts of each body separately. The port
+then replaces these ids by ``GROUND`` for the core.
 """
 
 from __future__ import annotations
@@ -32,7 +32,8 @@ from scenarios.solids import reach_of
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
 
 MAX_REST_OVERLAP = 1e-3
-"""Greatest overlap [m] of a brick at rest with a moved body, because engines leave overlaps of up to 0.4 mm."""
+"""Greatest overlap [m] of a frozen brick with a driven body, in addition to the driven body's motion in a frame. The
+value exceeds 0.4 mm, the greatest overlap that engines leave at rest."""
 
 NO_CONTACTS, NOWHERE = Contacts.empty(), np.empty((0, 3))
 """Empty results for a world without live bodies, so that the port does not query the engine."""
@@ -41,7 +42,7 @@ NO_CONTACTS, NOWHERE = Contacts.empty(), np.empty((0, 3))
 class EnginePort:
     """The core's view of a simulation: contacts and masses, and methods that freeze and unfreeze bodies.
 
-    ``join`` and ``part`` are an optional fourth capability, which no policy of the core uses (ADR-0030).
+    ``join`` and ``part`` are optional. No policy of the core uses these two methods (ADR-0030).
     """
 
     def __init__(self, engine: EngineHooks) -> None:
@@ -57,7 +58,7 @@ class EnginePort:
     def contacts(self) -> Contacts:
         """Return the contacts after the latest step, or after a later call of ``find_contacts``.
 
-        Each contact touches a live body, or joins a moving host-driven body and a frozen body.
+        Each contact touches a live body, or lies between a driven body and a frozen body.
         """
         driven, live = self._bodies.driven(), self._bodies.live
         if not live and not driven:
@@ -73,7 +74,7 @@ class EnginePort:
         return self._for_core(self._with_approaching(contacts))
 
     def masses(self) -> Masses:
-        """Return the live and moved bodies after the latest step, and the ids removed since the previous call.
+        """Return the live and moved bodies at their present positions, and the ids removed since the previous call.
 
         The mass of a moved body is infinite.
         """
@@ -123,15 +124,15 @@ class EnginePort:
         Raises:
             NotImplementedError: if the engine joins no bodies.
             KeyError: if a body is not in the world.
-            ValueError: if a body is not live, or a pair has one body twice.
+            ValueError: if a body is not live, or a pair has one body twice. Earlier pairs of the call stay joined.
         """
         check_weldable(self._engine.engine, self._engine.capabilities)
         for a, b in pairs:
             self._bodies.check_known((a, b))
             if a == b or a not in self._bodies.live or b not in self._bodies.live:
                 raise ValueError(
-                    f"join() needs pairs of two live bodies, got {(a, b)}: unfreeze both bodies first, and join no "
-                    "body that the host moves"
+                    f"join() needs pairs of two different live bodies, got {(a, b)}: unfreeze both bodies first, and "
+                    "leave out pairs of one body, or with a body that the host moves"
                 )
             pair = (min(a, b), max(a, b))
             if pair not in self._joined:
@@ -164,7 +165,7 @@ class EnginePort:
         self._boxes.remove(body)
 
     def note_move(self, body: int) -> None:
-        """Drop the found contacts of a body that the host has moved, and place its box if the body is frozen."""
+        """Delete the found contacts of a body that the host has moved, and place its box if the body is frozen."""
         if self._found is not None:
             self._found = self._found.chosen((self._found.body_a != body) & (self._found.body_b != body))
         if body in self._bodies.frozen:
@@ -198,8 +199,8 @@ class EnginePort:
     def _with_driven(self, contacts: Contacts, driven: list[int]) -> Contacts:
         """Add the contacts between ``driven`` and frozen bodies.
 
-        Points, normals and separations come from the boxes at their present poses. The greatest gap is the distance
-        that a driven body moves in a frame.
+        Points, normals and separations come from the boxes at their present poses. The greatest gap is the greatest
+        distance that a point of a driven body moves in a frame.
         """
         rows = self._place_boxes(driven)
         linear, angular = self._engine.velocities_now(rows)
@@ -246,7 +247,7 @@ class EnginePort:
         return replace(contacts, body_a=body_a, body_b=body_b)
 
     def _place_boxes(self, bodies: Collection[int]) -> IntArray:
-        """Write the present poses of ``bodies`` into the table of boxes; return the rows, shape (k,)."""
+        """Write the present poses of ``bodies`` into the table of boxes; return the ids, shape (k,)."""
         rows = np.fromiter(bodies, np.int64, len(bodies))
         self._boxes.place(rows, *self._engine._poses(rows))
         return rows

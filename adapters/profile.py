@@ -15,17 +15,17 @@ MAX_SMALL_SIZE = 0.25
 """Greatest ratio of the largest brick's diagonal to a plank's diagonal at which a profile's lengths shrink with the
 bricks. At greater ratios the lengths keep their values for a plank."""
 REACH_OF_SMALL = 0.5
-"""Ratio of a profile's lengths for small bricks to lengths in proportion to the bricks. The value is below 1, because
-PhysX, which detects contacts from a gap of twice 1 mm, held unsupported planks of 0.78 mm between neighbours at 0.2 mm.
-With half of this gap the planks fall. In trials a plank stayed with a ``contact_offset`` of 0.105 mm, and fell with
-0.09 mm.
+"""Ratio of a profile's lengths for small bricks to lengths in proportion to the bricks. PhysX detects contacts from a
+gap of twice 1 mm. In proportion to planks 0.78 mm thick this gap is 0.2 mm. At this gap PhysX held unsupported planks
+between their neighbours. With half of this gap the planks fall. In trials a plank stayed with a ``contact_offset`` of
+0.105 mm, and fell with 0.09 mm.
 """
 
 AS_SHIPPED = "as shipped"
 """Value of ``tuned_by`` for a profile without tuning."""
 
 Sleeping = Literal["off", "native", "raised"]
-"""Modes of the engine's own sleeping: off, as shipped (native), or with a raised threshold."""
+"""Modes of the engine's own sleeping: off, on (native), or on with a raised threshold."""
 
 
 KnobValue: TypeAlias = float | int | str | bool
@@ -33,7 +33,7 @@ KnobValue: TypeAlias = float | int | str | bool
 
 @dataclass(frozen=True, slots=True)
 class Knob:
-    """One setting of an engine that differs from the shipped value, with the reason."""
+    """One setting of an engine in a profile, with the reason for its value."""
 
     value: KnobValue
     reason: str
@@ -44,7 +44,7 @@ class Knob:
 
 @dataclass(frozen=True, slots=True)
 class Profile:
-    """Settings of an engine: ``default`` as shipped, ``game`` at low cost, ``tuned`` for the best results."""
+    """Settings of an engine, such as ``default`` as shipped, ``game`` at low cost, ``tuned`` for the best results."""
 
     name: str
     description: str
@@ -57,7 +57,7 @@ class Profile:
     scale: float = 1.0
     """Ratio of lengths in the engine's world to lengths in the scene: see ``adapters.scaled``."""
     offset: float = 0.0
-    """Distance [m] along x from the origin of the engine's world to the scene's origin: see ``adapters.scaled``."""
+    """Distance [m], in the scene's lengths, along x from the origin of the engine's world to the scene's origin."""
     forces: bool = True
     """True to report the engine's contact forces in ``Contacts.force``, if the engine has forces. If False,
     ``Contacts.force`` is None."""
@@ -79,7 +79,7 @@ class Profile:
         )
 
     def fitted_to(self, expected: Sequence[Brick]) -> Profile:
-        """Return the profile with the lengths that suit small bricks, if all expected bricks are small."""
+        """Return the profile with lengths that suit small bricks if all expected bricks are small, else unchanged."""
         plank = PLANK_SIZE * self.scale
         size = max((math.hypot(*brick.size) for brick in expected), default=plank) / plank
         return self if size > MAX_SMALL_SIZE else self.with_lengths_times(REACH_OF_SMALL * size)
@@ -87,18 +87,15 @@ class Profile:
 
 @dataclass(frozen=True, slots=True)
 class Capabilities:
-    """The adapter's description of the data that an engine's API provides: source of the table Engine capabilities.
+    """The adapter's description of an engine: its contact data, mechanisms, shapes and coefficients.
 
-    The conformance checks measure ``near_contacts``, ``separation``, ``forces``, ``ridge_normal``, ``planar`` and, in
-    one process, ``deterministic``. All other fields describe mechanisms, and the checks measure the effects of these
-    mechanisms.
+    The fields are the source of the table Engine capabilities.
     """
 
     contact_points: str
     """Number of points that the engine reports for one pair, such as "up to 4 points"."""
     near_contacts: bool
-    """True if the engine lists points that nearly touch. If False, the port adds these points from the boxes' geometry.
-    """
+    """True if the engine lists points that nearly touch. If False, the port adds these points and missing corners."""
     separation: bool
     relative_velocity: str
     """Origin of relative velocities: "reported" by the engine, or a text such as "from the velocities before the step".
@@ -117,7 +114,8 @@ class Capabilities:
     """Scope in which equal runs give equal bits: "across processes", "within a process" or "no"."""
     ridge_normal: str = "face"
     """Normal where two bricks touch edge on edge: "face" for the normal of a brick's face; "edge" for the normal across
-    both edges, as between ideal bricks. With "face" a V holds only if its planks are steeper than 90 deg - atan(mu)."""
+    both edges, as between ideal bricks. With "face" an inverted V of two planks holds only if its planks are steeper
+    than 90 deg - atan(coefficient of friction)."""
     planar: bool = False
     """True for a 2-D engine, which runs planar scenes only."""
     shapes: tuple[str, ...] = ("box",)
@@ -125,9 +123,10 @@ class Capabilities:
     other_shapes: str = "its adapter builds no other shapes yet"
     """Reason why the adapter builds no other shapes."""
     own_friction: bool = False
-    """True if bodies may have coefficients of friction of their own, of which a pair has the geometric mean."""
+    """True if bodies may have their own coefficients of friction. A pair has the geometric mean of both
+    coefficients."""
     restitution: bool = False
-    """True if bodies may have coefficients of restitution above 0, of which a pair has the geometric mean."""
+    """True if bodies may have coefficients of restitution above 0. A pair has the geometric mean of both."""
     own_moments: bool = False
     """True if a body may have moments of inertia of its own."""
     weld: str | None = None
@@ -139,7 +138,7 @@ class Capabilities:
 
 @dataclass(frozen=True, slots=True)
 class EngineInfo:
-    """Identity of an engine; every trial records this identity."""
+    """Identity of an engine, for the records of trials."""
 
     engine: str
     version: str

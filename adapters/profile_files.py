@@ -39,7 +39,7 @@ Knobs = Mapping[str, Knob]
 
 
 class ProfileFileError(ValueError):
-    """Error for an invalid profile file; the message names the file, the entry and the fix."""
+    """Error for a missing or invalid profile file; the message names the file, the place in the file, and the fix."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,13 +65,13 @@ def load_settings(
 
     Args:
         engine: name of the engine.
-        knows: function that returns whether a knob of this name exists, for engines that ignore a misspelt knob.
+        knows: function that returns whether a knob of this name exists. By default every name is valid.
         folder: folder of the files.
         missing: knobs that the installed release of the engine lacks, although another release has them. The function
             leaves these knobs out of the profiles.
 
     Raises:
-        ProfileFileError: if the file is missing, or an entry of the file is invalid.
+        ProfileFileError: if the file is missing, is not valid TOML, or has an invalid entry.
     """
     path = folder / f"{engine}.toml"
     try:
@@ -114,7 +114,8 @@ def _check_known(settings: EngineSettings, knows: Callable[[str], bool]) -> None
         for name in knobs:
             if not knows(name):
                 raise ProfileFileError(
-                    f"{where}: the engine has no knob '{name}'; correct the spelling of the knob, or delete the knob"
+                    f"{where}: the engine has no knob '{name}'; correct the spelling of the knob, or delete the knob, "
+                    "in this table or in a shared table"
                 )
 
 
@@ -181,14 +182,19 @@ def _substeps(where: str, table: Mapping[str, Any]) -> int:
 def _frame_s(where: str, table: Mapping[str, Any]) -> float:
     frame_s = table.get("frame_s", 1 / 60)
     if type(frame_s) is not float or not 0.0 < frame_s < 1.0:
-        raise ProfileFileError(f"{where}.frame_s must be a time in seconds, between 0 and 1, got {frame_s!r}")
+        raise ProfileFileError(
+            f"{where}.frame_s must be a time in seconds, between 0 and 1, got {frame_s!r}; write, for example, "
+            "frame_s = 0.02"
+        )
     return frame_s
 
 
 def _scale(where: str, table: Mapping[str, Any]) -> float:
     scale = table.get("scale", 1.0)
     if type(scale) not in (int, float) or not 0.0 < scale < math.inf:
-        raise ProfileFileError(f"{where}.scale must be a positive number, got {scale!r}")
+        raise ProfileFileError(
+            f"{where}.scale must be a positive, finite number, got {scale!r}; write, for example, scale = 10"
+        )
     return float(scale)
 
 
@@ -204,9 +210,14 @@ def _knob(where: str, knob: Any) -> Knob:
         raise ProfileFileError(f"{where}: the key 'value' is missing; write {{ value = ..., reason = '...' }}")
     value, follows_world = knob["value"], knob.get("follows_world", False)
     if not isinstance(value, (bool, int, float, str)):
-        raise ProfileFileError(f"{where}.value must be a number, a text, true or false, got {value!r}")
+        raise ProfileFileError(
+            f"{where}.value must be a number, a text, true or false, got {value!r}; write, for example, value = 0.4"
+        )
     if type(follows_world) is not bool:
-        raise ProfileFileError(f"{where}.follows_world must be true or false, got {follows_world!r}")
+        raise ProfileFileError(
+            f"{where}.follows_world must be true or false, got {follows_world!r}; write follows_world = true, or "
+            "delete follows_world"
+        )
     if follows_world and type(value) not in (int, float):
         raise ProfileFileError(
             f"{where}.follows_world needs a 'value' that is a length, got {value!r}: delete follows_world"
@@ -232,7 +243,9 @@ def _table(name: str, content: Mapping[str, Any]) -> Mapping[str, Any]:
 
 def _check_table(where: str, table: Any) -> None:
     if not isinstance(table, dict):
-        raise ProfileFileError(f"{where} must be a table, got {table!r}")
+        raise ProfileFileError(
+            f"{where} must be a table, got {table!r}; write a table [{where}], or an inline table {{ KEY = ... }}"
+        )
 
 
 def _check_keys(where: str, table: Mapping[str, Any], known: tuple[str, ...]) -> None:

@@ -1,6 +1,7 @@
 """Profiles by name, unchanged or varied: ``game``, ``game@scale=10``, ``tuned@substeps=8,forces=0``.
 
-Besides the variations in ``_VARIATIONS``, a name can vary every knob of the engine: ``game@contactERP=0.2``.
+Besides the variations in ``_VARIATIONS``, a name can vary each knob that a profile sets or the adapter knows:
+``game@contactERP=0.2``.
 
 The variation is a part of the name, so that studies, trials and records contain the variation.
 """
@@ -29,7 +30,10 @@ def base_name(profile: str) -> str:
 
 
 def varied_name(profile: str, changes: Mapping[str, float | int]) -> str:
-    """Return the name of a profile varied by ``changes``."""
+    """Return the name of a profile varied by ``changes``, with six significant digits of each value.
+
+    Return the profile's own name if ``changes`` is empty.
+    """
     suffix = ",".join(f"{what}={value:g}" for what, value in changes.items())
     return f"{profile}{_MARK}{suffix}" if suffix else profile
 
@@ -39,7 +43,7 @@ def profile_of(simulation: type[Simulation], name: str) -> Profile:
 
     Raises:
         UnknownNameError: if the engine has no profile of this name, or a variation is unknown.
-        ProfileError: if the value of a variation is invalid.
+        ProfileError: if the value of a variation is invalid, or the engine lacks the knob of ``iterations``.
     """
     base, mark, changes = name.partition(_MARK)
     profile = look_up(f"profile of engine {simulation.engine}", base, simulation.profiles)
@@ -56,7 +60,9 @@ def profile_of(simulation: type[Simulation], name: str) -> Profile:
         except ProfileError as error:
             raise ProfileError(f"profile '{name}': {error}") from error
         except ValueError as error:
-            raise ProfileError(f"profile '{name}': {what} must be {_MUST_BE[what]}, got '{value}'") from error
+            raise ProfileError(
+                f"profile '{name}': {what} must be {_MUST_BE[what]}, got '{value}'; correct the value"
+            ) from error
     return replace(profile, name=name, description=f"{profile.description}; varied: {changes}")
 
 
@@ -106,7 +112,7 @@ def _with_knob(simulation: type[Simulation], profile: Profile, knob: str, text: 
     """Return the profile with one knob of the engine set to the value in a varied name.
 
     Raises:
-        ProfileError: if the value has another type than the knob's values in the engine's profiles.
+        ProfileError: if the value does not convert to the type of the knob's value in the engine's profiles.
     """
     everywhere = [*(one.knobs for one in simulation.profiles.values()), *simulation.sleep_knobs.values()]
     known = profile.knobs.get(knob) or next((knobs[knob] for knobs in everywhere if knob in knobs), None)
@@ -117,7 +123,10 @@ def _with_knob(simulation: type[Simulation], profile: Profile, knob: str, text: 
         value = int(value)
     if known is not None and type(value) is not type(known.value):
         kind = {bool: "true or false", int: "a whole number", float: "a number", str: "a text"}[type(known.value)]
-        raise ProfileError(f"knob '{knob}' must be {kind}, such as {known.value!r}, got '{text}'")
+        raise ProfileError(
+            f"profile '{profile.name}' of engine '{simulation.engine}': knob '{knob}' must be {kind}, such as "
+            f"{known.value!r}, got '{text}'; correct the value"
+        )
     follows_world = known is not None and known.follows_world
     if follows_world and isinstance(value, float):
         value *= profile.scale
@@ -149,10 +158,10 @@ _VARIATIONS: Mapping[str, Callable[[type[Simulation], Profile, float], Profile]]
     "offset": _with_offset,
 }
 _MUST_BE = {
-    "scale": "a positive number",
+    "scale": "a positive, finite number",
     "substeps": "a whole number from 1",
     "iterations": "a whole number from 1",
     "forces": "0 (contacts without forces) or 1",
     "hz": f"frames a second, from 1 to {_MOST_HZ:g}",
-    "offset": "a number, in metres",
+    "offset": "a finite number, in metres",
 }

@@ -16,7 +16,7 @@ from scenarios.model import Brick, World
 
 
 class EngineNotInstalledError(ImportError):
-    """Error for an engine whose package is missing; the message names the command that installs the package."""
+    """Error for an engine that does not load or cannot open a world; the message gives the reason and the fix."""
 
 
 def _load(name: str) -> type[Simulation]:
@@ -38,7 +38,8 @@ def _not_installed(name: str, error: Exception) -> EngineNotInstalledError:
     if not release:
         return EngineNotInstalledError(f"engine '{name}' cannot be loaded ({error}): {ENGINES[name].remedy}")
     return EngineNotInstalledError(
-        f"engine '{name}' cannot be loaded with {release} ({error}): install what is missing, or another release"
+        f"engine '{name}' cannot be loaded with {release} ({error}): install a missing package, or another release of "
+        f"{package}"
     )
 
 
@@ -53,22 +54,42 @@ def _installed(name: str) -> type[Simulation]:
 
 
 def check_installed(name: str) -> None:
-    """Raise ``EngineNotInstalledError`` unless the engine opens worlds on this machine."""
+    """Raise ``EngineNotInstalledError`` unless the engine can open a world on this machine.
+
+    Raises:
+        UnknownNameError: if no engine has this name.
+        EngineNotInstalledError: if the engine does not load or cannot open a world.
+    """
     _installed(name)
 
 
 def capabilities(name: str) -> Capabilities:
-    """Return the capabilities of engine ``name``."""
+    """Return the capabilities of engine ``name``.
+
+    Raises:
+        UnknownNameError: if no engine has this name.
+        EngineNotInstalledError: if the adapter does not load.
+    """
     return _load(name).capabilities
 
 
 def profiles(name: str) -> Mapping[str, Profile]:
-    """Return the profiles of engine ``name``, by their names."""
+    """Return the profiles of engine ``name``, by their names.
+
+    Raises:
+        UnknownNameError: if no engine has this name.
+        EngineNotInstalledError: if the adapter does not load.
+    """
     return _load(name).profiles
 
 
 def missing_knobs(name: str) -> list[str]:
-    """Return the sorted knobs that the profiles omit, because the installed release of engine ``name`` lacks them."""
+    """Return the sorted knobs that the profiles omit, because the installed release of engine ``name`` lacks them.
+
+    Raises:
+        UnknownNameError: if no engine has this name.
+        EngineNotInstalledError: if the adapter does not load.
+    """
     return sorted(_load(name).missing_knobs)
 
 
@@ -76,9 +97,9 @@ def profile_named(engine: str, name: str) -> Profile:
     """Return the profile ``name`` of an engine, varied if its name states a variation (``adapters.profile_variants``).
 
     Raises:
-        UnknownNameError: if no engine, or no profile of the engine, has this name.
-        ProfileError: if a variation is invalid.
-        EngineNotInstalledError: if the engine's package is missing, so that the adapter does not load.
+        UnknownNameError: if no engine, no profile of the engine or no variation has the name.
+        ProfileError: if the value of a variation is invalid.
+        EngineNotInstalledError: if the adapter does not load.
     """
     return profile_of(_load(engine), name)
 
@@ -91,12 +112,21 @@ def open_engine(
     sleeping: Sleeping = "off",
     expected: Sequence[Brick] = (),
 ) -> Simulation:
-    """Open an empty world of engine ``name``.
+    """Open a world of engine ``name`` with the ground and the fixed bodies only.
+
+    Args:
+        name: name of the engine.
+        profile: name of the profile, varied if the name states a variation.
+        world: friction, restitution, gravity and fixed bodies; None for ``World()``.
+        sleeping: mode of the engine's own sleeping.
+        expected: the bricks that the host plans to spawn.
 
     Raises:
-        UnknownNameError: if no engine, or no profile of the engine, has this name.
-        ProfileError: if a variation of the profile is invalid.
-        EngineNotInstalledError: if the engine's package is missing.
+        UnknownNameError: if no engine, no profile of the engine or no variation has the name.
+        ProfileError: if the value of a variation is invalid.
+        EngineNotInstalledError: if the engine does not load or cannot open a world.
+        ValueError: see ``Simulation``.
+        NotImplementedError: see ``Simulation``.
     """
     simulation = _installed(name)
     chosen = profile_of(simulation, profile)

@@ -47,7 +47,7 @@ class _ScaledSimulation(Simulation):
     def port(self) -> EnginePort:
         """Return the core's view of the scene.
 
-        The property also opens the engine's own port, so that the engine records contact data.
+        The property also uses the port of the larger simulation, so that the engine records contact data.
         """
         _ = self._larger.port
         return super().port
@@ -133,7 +133,7 @@ class _ScaledSimulation(Simulation):
         return replace(enlarged(brick, self.scale), position=self._place(brick.position))
 
     def _in_scene(self, seen: Contacts) -> Contacts:
-        """Convert contacts of the larger world to the scene's units."""
+        """Convert contacts of the larger world to the scene's frame and units."""
         return replace(
             seen,
             point=self._places_in_scene(seen.point),
@@ -145,7 +145,7 @@ class _ScaledSimulation(Simulation):
 
 @cache
 def scaled(simulation: type[Simulation]) -> type[Simulation]:
-    """Return a class for the same engine, whose worlds have the scale and the offset of the profile."""
+    """Return a class whose simulations drive larger worlds of the same engine, with the profile's scale and offset."""
 
     class Scaled(_ScaledSimulation):
         engine = simulation.engine

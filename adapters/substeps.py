@@ -85,11 +85,14 @@ class SubstepSimulation(Simulation):
         )
 
     def _record_motions(self, bodies: IntArray) -> None:
-        """Record the motions of ``bodies`` (k,) before a substep, if the port is in use and a body is live."""
+        """Record the motions of ``bodies`` (k,) before a substep.
+
+        ``_step`` calls this method only if the port is in use and a body is live.
+        """
         self._recorded.append(self._motions_now(bodies))
 
     def _motions_now(self, bodies: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return positions [m], velocities [m/s] and spins [rad/s], each of shape (k, 3).
+        """Return positions [m], velocities [m/s] and spins [rad/s] of ``bodies`` (k,), each of shape (k, 3).
 
         Override this hook for an engine that returns all three in one call.
         """
@@ -118,7 +121,7 @@ class SubstepSimulation(Simulation):
             pairs: bodies a and b, each of shape (n,).
             point: contact points [m], shape (n, 3).
             normal: unit normals from a to b, shape (n, 3).
-            separation: gaps [m], shape (n,).
+            separation: gaps [m], negative in an overlap, shape (n,).
             force: forces [N] on bodies b in the last substep, shape (n, 3); None if the engine need not record forces.
         """
         if force is not None:

@@ -23,8 +23,8 @@ FACE_PREFERENCE = 1e-5
 """Separation [m] by which a later axis must exceed an earlier axis, so that rounding errors do not change the normal of
 boxes at rest. A box rocks by less between two frames."""
 PARALLEL = 1e-3
-"""Sine of the angle between two edges below which their cross product is not an axis, because the direction of the
-product is then mostly a rounding error."""
+"""Sine of the angle between two edges below which their cross product is not an axis. The direction of the product is
+then mostly a rounding error."""
 SAME_POINT = 1e-6
 """Distance [m] below which two points of a pair are one point."""
 
@@ -118,10 +118,10 @@ def _widest_edges(
     least: float,
     normal: FloatArray,
 ) -> tuple[int, int, float]:
-    """Return the edges whose cross product separates both boxes by more than ``least`` [m], and the separation.
+    """Return the edges whose cross product separates both boxes most, and the separation [m].
 
-    The edges are -1 if no cross product separates the boxes by more than ``least``. Otherwise the function also writes
-    the normal (3,).
+    If no cross product separates the boxes by more than ``least`` [m], the edges are -1, and the separation is
+    ``least``. Otherwise the function also writes the unit normal (3,) from a to b.
     """
     edge_a, edge_b = -1, -1
     cross = np.empty(3)

@@ -63,13 +63,13 @@ class BoxArrays:
         self.state[row] = state
 
     def set_state(self, body: int, state: int) -> None:
-        """Set the state of a box, and stop the box."""
+        """Set the state of a box, stop the box, and delete its steady force."""
         row = body + self.first
         self.state[row] = state
         self.velocity[row], self.spin[row], self.force[row] = 0.0, 0.0, 0.0
 
     def place(self, body: int, position: Vector, quaternion: Quaternion) -> None:
-        """Set the pose of a box, and stop the box; a steady force remains."""
+        """Set the pose of a box, and stop the box. A steady force remains."""
         row = body + self.first
         self.position[row], self.quaternion[row] = position, quaternion
         self.velocity[row], self.spin[row] = 0.0, 0.0
@@ -79,7 +79,7 @@ class BoxArrays:
         self.state[body + self.first] = ABSENT
 
     def is_finite(self) -> bool:
-        """Return whether the positions, rotations and velocities of all boxes are finite."""
+        """Return whether the poses and velocities of all boxes, also of removed boxes, are finite."""
         arrays = self.position, self.quaternion, self.velocity, self.spin
         return all(bool(np.isfinite(array[: self.count]).all()) for array in arrays)
 

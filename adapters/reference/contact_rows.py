@@ -4,8 +4,9 @@ Scaled velocity of a live body with mass m, principal moments I and rotation R:
 
     w = [sqrt(m) v, sqrt(I) R^T omega] / (sqrt(M) U),
 
-where M is the mean mass of the live bodies and U = g0 h the velocity that gravity adds in a step. In these units the
-kinetic energy is |w|^2 / 2 and the mass matrix is the unit matrix. A row J of a contact in direction d gives
+where M is the mean mass of the live bodies. U = g0 h is the velocity that the Earth's gravity g0 adds in a step of
+length h. In these units the kinetic energy is |w|^2 / 2 and the mass matrix is the unit matrix. A row J of a contact in
+direction d gives
 
     J w + drive = d . (velocity of b - velocity of a at the point) / U,
 
@@ -71,7 +72,7 @@ def contact_rows(
         boxes: the boxes, with their velocities before the step.
         found: the contacts.
         gravity: gravity [m/s2], shape (3,).
-        seconds: length of the step.
+        seconds: length of the step [s].
         unit: the velocity U [m/s].
     """
     rows = np.flatnonzero(boxes.state[: boxes.count] == LIVE)
@@ -214,8 +215,8 @@ def _write_axes(normal: FloatArray, slip: FloatArray, gravity: FloatArray, slow:
     The first tangent follows, in this order:
 
     1. the slip, unless the slip is slow;
-    2. the tangential part of gravity, unless this part is zero;
-    3. the coordinate axis that is most nearly tangential.
+    2. the tangential part of gravity, unless this part is less than a thousandth of gravity;
+    3. the tangential part of the coordinate axis that is most nearly tangential.
     """
     tangent = slip - dot(slip, normal) * normal
     if dot(tangent, tangent) < slow * slow:

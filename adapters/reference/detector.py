@@ -4,7 +4,7 @@ Reach: a step needs the points that will touch before the end of the step. The d
 
     g <= SLACK + h max(0, -n . v) + h^2 |n . gravity|,
 
-where v is the velocity of b relative to a at the point, and h the length of the step.
+where n is the normal from a to b, v the velocity of b relative to a at the point, and h the length of the step.
 
 ``box_pair`` compiles some of the kernels: see ADR-0002 on Numba's cache.
 """
@@ -55,7 +55,7 @@ class BoxDetector:
         Args:
             boxes: the boxes at their present poses.
             gravity: gravity [m/s2], shape (3,).
-            seconds: length of the step; 0 for the contacts at the present poses.
+            seconds: length of the step [s]; 0 for the contacts at the present poses.
         """
         n = boxes.count
         columns = _find(

@@ -1,6 +1,7 @@
-"""Layers of a stack from its contacts: the number of contacts between a body and the fixed boxes.
+"""Layers of a stack: groups of contacts, by the number of contacts between a body and the fixed boxes.
 
-The height of a body is the least number of contacts on a path to a fixed box: 1 for a body on the ground. A contact
+In this module a fixed box is any box that contacts do not move, also a frozen box or a box that the host moves. The
+height of a body is the least number of contacts on a path to a fixed box: 1 for a body on the ground. A contact
 belongs to the layer of its lower body. If both bodies have the same height, the contact belongs to the layer below.
 Then the solver treats the contact when both bodies may move.
 

@@ -24,7 +24,7 @@ def advance(boxes: BoxArrays, seconds: float) -> None:
 
 
 def displace(boxes: BoxArrays, rows: IntArray, shift: FloatArray, turn: FloatArray) -> None:
-    """Shift boxes by ``shift`` (k, 3) [m] and turn them by ``turn`` (k, 3) [rad]; the velocities do not change."""
+    """Shift boxes by ``shift`` (k, 3) [m] and turn them by ``turn`` (k, 3) [rad], without a change of velocities."""
     boxes.position[rows] += shift
     _turn_rows(rows, boxes.quaternion, turn)
 

@@ -1,12 +1,12 @@
 """``ReferenceSimulation``: the hooks that both reference engines share. A subclass solves the contacts of a step.
 
-Freezing: a frozen box is a fixed box. Nothing changes its pose, and rows of the contact problem omit it.
+Freezing: a frozen box is a fixed box. Nothing changes its pose, and the contact problem has no unknowns for this box.
 
 Contacts: ``_contacts`` detects the contacts at the present poses. A force of the latest step belongs to the nearest
 present point of the same pair.
 
-Divergence: no step leads from a state that is not finite back to a finite state. Therefore the adapter then makes no
-further step, and reports all poses as NaN.
+Divergence: no step leads from a state that is not finite back to a finite state. In such a state the adapter makes no
+step, and reports all poses as NaN.
 """
 
 from __future__ import annotations

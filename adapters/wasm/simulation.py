@@ -9,7 +9,7 @@ from adapters.bridge.simulation import BridgeSimulation
 
 
 class WasmSimulation(BridgeSimulation):
-    """One world of an engine that runs in Node. A subclass names the engine and its package."""
+    """One world of an engine that runs in Node.js. A subclass names the engine and its package."""
 
     package: ClassVar[str]
     """The npm package that contains the engine."""
@@ -21,5 +21,9 @@ class WasmSimulation(BridgeSimulation):
 
     @classmethod
     def command(cls) -> list[str]:
-        """Return the command that starts the engine's process."""
+        """Return the command that starts the engine's process.
+
+        Raises:
+            ImportError: if the wheel with Node is missing.
+        """
         return [str(wasm.node()), str(wasm.FOLDER / "peer.mjs"), cls.engine]

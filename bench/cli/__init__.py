@@ -1,1 +1,1 @@
-"""The command line: one file per command; ``app`` joins the commands, and ``console`` contains their shared parts."""
+"""The command line, with one file per command: ``app`` joins the commands, ``console`` contains their shared parts."""

@@ -24,7 +24,7 @@ def draw_alarms(comparison: Comparison, gates: Collection[Gate], head: Path, to:
     """Draw the end of each trial of the head with a worse outcome, beside the same stack without a policy.
 
     The picture omits the stack without a policy if the folder has no recording of this stack. The function skips a
-    trial without a recording, and prints the reason.
+    trial that it cannot draw, for example without a recording, and prints the reason.
 
     Args:
         comparison: the comparison.

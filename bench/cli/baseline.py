@@ -25,7 +25,7 @@ def baseline(
 ) -> None:
     """Write a results folder into one small file that later comparisons use as their base.
 
-    If FILE exists, the new baseline keeps the pose hashes of other processors from FILE, unless poses changed.
+    If FILE exists, the new baseline keeps the pose hashes of other processors from FILE, unless poses may have changed.
     """
     with input_errors():
         side = read_baseline(folder)

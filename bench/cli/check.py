@@ -40,7 +40,10 @@ def check(
 
 
 def _knobs(engine: str, profile: str) -> Iterator[str]:
-    """Yield one line per knob of the profile: the value that the engine reports, or a note that the value is absent."""
+    """Yield one line per knob of the profile: the value that the engine reports, or a note that the value is absent.
+
+    Yield only the reason if the engine fails.
+    """
     plank = Brick((0.117, 0.0234, 0.0078), 0.0119, (0.0, 0.0, 0.0039))
     try:
         simulation = open_engine(engine, profile, expected=[plank])
@@ -59,9 +62,9 @@ def check_engine(engine: str, profile: str, console: Console) -> int:
     """Run all applicable checks, print the result of each check, and return the number of failures.
 
     Raises:
-        UnknownNameError: if no engine has this name, or the engine has no such profile.
-        ProfileError: if a variation of the profile is invalid.
-        EngineNotInstalledError: if the engine's package is missing.
+        UnknownNameError: if no engine, no profile of the engine or no variation has the name.
+        ProfileError: if the value of a variation is invalid.
+        EngineNotInstalledError: if the engine does not load.
     """
     profile_named(engine, profile)  # report a wrong name once, not in every check
     counts = {"ok": 0, "n/a": 0, "FAILED": 0}

@@ -132,7 +132,7 @@ def _prepared(
 
 
 def _prune() -> None:
-    """Remove all checkouts and environments from the cache, and print their number."""
+    """Remove all checkouts and environments from the cache, and print how many of each."""
     with input_errors():
         checkouts, environments = prune_checkouts(ERR), prune_environments()
     note(f"removed {checkouts} checkouts and {len(environments)} environments")

@@ -76,14 +76,22 @@ PROFILE = completing(profile_names)
 
 
 def show_completion(wanted: bool) -> None:
-    """Print the completion script of the present shell and exit; the callback of ``--show-completion``."""
+    """Print the completion script of the present shell and exit, if ``wanted`` is True.
+
+    Raises:
+        BadParameter: if SHELL names no supported shell.
+    """
     if wanted:
         typer.echo(SCRIPTS[_shell()], nl=False)
         raise typer.Exit
 
 
 def install_completion(wanted: bool) -> None:
-    """Write the completion script of the present shell, make new shells load the script, and exit."""
+    """Write the completion script of the present shell, make new shells load it, and exit, if ``wanted`` is True.
+
+    Raises:
+        BadParameter: if SHELL names no supported shell.
+    """
     if not wanted:
         return
     shell = _shell()
@@ -105,7 +113,10 @@ def complete_if_asked(app: typer.Typer) -> None:
 
 
 def _write_script(shell: str, home: Path) -> Path:
-    """Write the script of a shell below the home folder, and a line that loads the script; return the script's path."""
+    """Write the script of a shell below the home folder; return the script's path.
+
+    For bash and zsh, also add a line that loads the script to the shell's settings, unless the line exists.
+    """
     if shell == "fish":
         script = home / ".config" / "fish" / "conf.d" / "stillstack.fish"  # fish loads every file of this folder
     else:
@@ -125,6 +136,7 @@ def _shell() -> str:
     name = Path(os.environ.get("SHELL", "")).name
     if name not in SCRIPTS:
         raise typer.BadParameter(
-            f"SHELL must be one of {', '.join(SCRIPTS)}, got {name or 'nothing'!r}: set SHELL to one of these shells"
+            f"the environment variable SHELL must name one of the shells {', '.join(SCRIPTS)}, got "
+            f"{name or 'nothing'!r}: set SHELL to the path of one of these shells"
         )
     return name

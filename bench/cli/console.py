@@ -31,7 +31,7 @@ from reports.replays.errors import ExportError
 from scenarios.lookup import UnknownNameError
 
 RESULTS = Path("results")
-"""Default folder for the results of runs; an estimate also reads the earlier results in this folder."""
+"""Default folder for the results of runs. An estimate also reads the earlier results in this folder."""
 _LOG_WIDTH = 110
 for _stream in (sys.stdout, sys.stderr):  # a terminal whose encoding lacks a character shows its code
     if isinstance(_stream, io.TextIOWrapper):
@@ -44,7 +44,7 @@ ERR = Console(stderr=True)
 
 @contextmanager
 def input_errors() -> Iterator[None]:
-    """Turn an input error inside the ``with`` block into its message without a traceback, and exit status 2."""
+    """Print the message of an input error inside the ``with`` block, without a traceback, and exit with status 2."""
     try:
         yield
     except (
@@ -84,14 +84,21 @@ def relative(folder: Path) -> str:
 
 
 def read_folder(folder: Path) -> list[TrialRecord]:
-    """Return the records of a results folder; print a warning if the last line is incomplete."""
+    """Return the records of a results folder; print a warning if the last line is incomplete.
+
+    Raises:
+        RecordError: if a file of the folder is missing or invalid.
+    """
     with printed_warnings():
         return ResultsFolder(folder).records
 
 
 @contextmanager
 def printed_warnings() -> Iterator[None]:
-    """Print each ``RecordWarning`` of the code inside the ``with`` block."""
+    """Print the warnings of the code inside the ``with`` block, among them every ``RecordWarning``, after the block.
+
+    Print nothing if the block raises an error.
+    """
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", RecordWarning)
         yield

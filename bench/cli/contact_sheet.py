@@ -69,7 +69,7 @@ def _draw(axes: Axes, scene: Scene) -> None:
 
 
 def faces(bricks: Sequence[Brick], color: str, fixed: Sequence[Brick] = ()) -> tuple[FloatArray, FloatArray]:
-    """Return the visible faces of ``bricks`` and of ``fixed`` boxes, from back to front.
+    """Return the faces of ``bricks`` and of ``fixed`` boxes that face the viewer, from back to front.
 
     Returns:
         Corners of the n faces in the picture [m], shape (n, 4, 2), and colours from 0 to 1, shape (n, 3).
@@ -100,6 +100,9 @@ def from_back_to_front(boxes: Boxes, toward: FloatArray) -> list[int]:
     Args:
         boxes: n boxes that do not intersect, world frame.
         toward: direction toward the viewer, shape (3,), world frame.
+
+    Raises:
+        CycleError: if boxes cover one another in a circle, so that no order exists.
     """
     order: TopologicalSorter[int] = TopologicalSorter(dict.fromkeys(range(len(boxes)), ()))
     corners = boxes.corners
@@ -121,7 +124,7 @@ def _gap(lower: FloatArray, upper: FloatArray, directions: FloatArray) -> float:
     Args:
         lower: corners [m] of the first box, shape (8, 3).
         upper: corners [m] of the second box, farther along the direction, shape (8, 3).
-        directions: directions, shape (n, 3).
+        directions: unit directions, shape (n, 3). For shorter vectors the gap is shorter in proportion.
     """
     return float(((upper @ directions.T).min(axis=0) - (lower @ directions.T).max(axis=0)).max())
 

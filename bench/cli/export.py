@@ -25,7 +25,7 @@ def export(
         Path | None, typer.Option(help="The file to write; by default SCENE with the format's suffix.")
     ] = None,
 ) -> None:
-    """Write the bricks, fixed bodies, gravity and friction of a scene as MJCF, URDF or USD."""
+    """Write a scene as MJCF, URDF or USD: bricks and fixed bodies; in MJCF and USD also gravity and friction."""
     wanted = [name for name, chosen in (("mjcf", mjcf), ("urdf", urdf), ("usd", usd)) if chosen]
     if len(wanted) != 1:
         raise typer.BadParameter(f"expected one format, got {len(wanted)}: choose one of --mjcf, --urdf and --usd")

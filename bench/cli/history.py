@@ -107,7 +107,12 @@ def history(
 
 
 def _check_sources(engine: str | None, versions: str | None, commit_range: str | None, records: str | None) -> None:
-    """Check that the user names one source of versions."""
+    """Check that the user names one source of versions, no unknown engine, and an engine for releases.
+
+    Raises:
+        UnknownNameError: if no engine has the given name.
+        VersionsError: if the user names no source or several sources, or releases without an engine.
+    """
     if engine is not None:
         look_up("engine", engine, ENGINES)
     if sum(source is not None for source in (versions, commit_range, records)) != 1:
@@ -122,7 +127,13 @@ def _check_sources(engine: str | None, versions: str | None, commit_range: str |
 def _runs(
     plan: Study, engine: str | None, versions: str | None, commit_range: str | None, folder: Path, keep: bool
 ) -> tuple[list[str], Callable[[str], None], str, str]:
-    """Return the names of the versions, the function that measures a version, the package and the suite's commit."""
+    """Return the names of the versions, the function that measures a version, the package and the suite's commit.
+
+    Package and commit are empty for commits of this repository.
+
+    Raises:
+        VersionsError: if the engine has no Python package, or the range names no versions.
+    """
     if commit_range is not None:
         names = commits(commit_range)
         file = write_study(plan, folder)

@@ -1,4 +1,4 @@
-"""Print the judge's answer about a scene: verdict, margins, and the forces or the mechanism."""
+"""Printed answer of the judge about a scene: verdict, margins, and the forces or the mechanism."""
 
 from __future__ import annotations
 
@@ -12,13 +12,18 @@ from scenarios.statics.contact_patch import GROUND
 from scenarios.statics.scene_judge import Judgement, SceneMargins
 
 MOST_ROWS = 40
-"""Greatest number of rows of a printed table; a caption counts the rest."""
+"""Greatest number of rows of a printed table. A caption states the number of further rows."""
 MOVES = 1e-3
-"""Virtual velocity below which a brick does not count as moving, as a share of the fastest."""
+"""Ratio of the greatest component of a brick's virtual velocity to the greatest component of all bricks. At or below
+this ratio the brick does not count as moving."""
 
 
 def print_judgement(scene: Scene, console: Console) -> None:
-    """Judge a scene and print the answer."""
+    """Judge a scene and print the answer.
+
+    Raises:
+        ValueError: if bricks overlap, or a number is out of range; the message names the brick.
+    """
     answer = judge(scene)
     when = "" if answer.state is None else f", {len(answer.state.present)} bricks in place at {answer.state.time:g} s"
     console.print(f"{scene.variant}: {answer.verdict}{when}", highlight=False, soft_wrap=True)

@@ -42,7 +42,7 @@ def list_(
 ) -> None:
     """List scenarios, engines, profiles, policies and studies."""
     if truth and scenario is None:
-        raise typer.BadParameter("--truth judges one scene: add --scenario NAME or --scenario FILE")
+        raise typer.BadParameter("--truth needs one scene, got none: add --scenario NAME or --scenario FILE")
     if scenario is not None:
         with input_errors():
             _print_scene(scenario, is_judged=truth)
@@ -57,7 +57,12 @@ def list_(
 
 
 def _print_scene(name: str, *, is_judged: bool) -> None:
-    """Print the row of one scene, or the judge's answer about the scene."""
+    """Print the row of one scene, or the judge's answer about the scene.
+
+    Raises:
+        UnknownNameError: if no scenario has this name.
+        StudyError: if the suite cannot build or judge the scene.
+    """
     try:
         scene = build("own_scene", file=name) if is_file(name) else build(name)
         if is_judged:

@@ -140,7 +140,7 @@ def side_by_side(
         folder: a results folder.
         records: records of that folder.
         trial: id of the trial.
-        beside: policies of the other trials; None for the trial of the engine alone, if this trial has a recording.
+        beside: policies of the other trials; None for the policy ``none``, if its trial has a complete recording.
 
     Raises:
         UnknownNameError: if the folder has no trial with this id, or no trial of the same stack under a policy of

@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from reports.report import Report
 
 _PLACES = 8
-"""Greatest number of places of the ranking that the terminal shows; the files of the report contain all places."""
+"""Greatest number of places of the ranking that the terminal shows. The files of the report contain all places."""
 
 _NOTE = 700
-"""Greatest length of a note on the terminal [characters]; ``tables.md`` contains the whole notes."""
+"""Greatest length of a note on the terminal [characters]. ``tables.md`` contains the whole notes."""
 
 
 def report(

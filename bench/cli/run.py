@@ -97,7 +97,10 @@ def run(
                 "--jobs, and start each worker with --nthreads"
             )
         if dask is not None and (watch or watch_at):
-            raise ClusterError("--watch applies to trials on this machine only: leave out --watch or --dask")
+            raise ClusterError(
+                "--watch applies to trials on this machine only, as --watch-at does, but --dask is given: leave out "
+                "--watch and --watch-at, or leave out --dask"
+            )
         chosen = selected(load_study(study), wanted)
         if study in study_names() and not engine:
             chosen, missing = installed_part(chosen)
@@ -128,7 +131,10 @@ def run(
 
 
 def _viewer(opens: bool, address: str | None) -> str | None:
-    """Return the address of the Rerun viewer, or None without a viewer; open a viewer if ``opens`` is True."""
+    """Return the address of the Rerun viewer, or None without a viewer.
+
+    Without an ``address``, open a viewer if ``opens`` is True.
+    """
     if address is not None:
         require_rerun()
         return address
@@ -163,7 +169,7 @@ def _show_plan(study: Study, folder: Path, fresh: bool, jobs: int) -> None:
 def _run(study: Study, results: Results, outcomes: Outcomes, as_json: bool) -> None:
     """Run the trials that have no record, and write each outcome at once.
 
-    After an interruption, print how to continue.
+    If trials are left, print how to continue. After an interruption, exit with the status of its signal.
     """
     waiting = waiting_trials(study, results.statuses)
     if results.torn:

@@ -1,1 +1,1 @@
-"""Describe the machine and the sources of a run."""
+"""Descriptions and measurements of the machine and of the sources of a run."""

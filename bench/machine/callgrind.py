@@ -63,12 +63,13 @@ class CallgrindCounter:
         """Start the counter.
 
         Raises:
-            OSError: if ``command_under_callgrind`` did not start the program, or Valgrind does not answer.
+            OSError: if ``obstacle`` returns a reason, ``command_under_callgrind`` did not start the program, or
+                Valgrind does not answer.
         """
         if obstacle() is not None or _FILE not in os.environ:
             raise OSError(
-                f"this program does not run under Callgrind ({obstacle() or f'{_FILE} is not set'}): start the program "
-                "with command_under_callgrind"
+                f"this program does not run under Callgrind ({obstacle() or f'{_FILE} is not set'}): on x86-64 with "
+                "Valgrind, start the program with command_under_callgrind"
             )
         self._code = mmap.mmap(-1, mmap.PAGESIZE, prot=mmap.PROT_READ | mmap.PROT_WRITE | mmap.PROT_EXEC)
         self._code.write(_REQUEST)

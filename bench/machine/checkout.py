@@ -8,7 +8,10 @@ from bench.machine.source_digest import ROOT
 
 
 def git(*arguments: str) -> str | None:
-    """Return the output of a git command in this checkout; None without git or a checkout."""
+    """Return the output of a git command in this checkout; None if the command fails, or does not end within 10 s.
+
+    Without git or a checkout every command fails.
+    """
     try:
         done = subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True, check=True, timeout=10)
     except (OSError, subprocess.SubprocessError):
@@ -17,7 +20,7 @@ def git(*arguments: str) -> str | None:
 
 
 def head() -> str | None:
-    """Return the commit of this checkout; None without git."""
+    """Return the commit of this checkout; None without git or a checkout."""
     return git("rev-parse", "HEAD")
 
 

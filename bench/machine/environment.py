@@ -28,7 +28,11 @@ _PACKAGES = ("numpy", "numba", "pydantic", "pyarrow", "pebble")
 def describe(engines: Iterable[str]) -> dict[str, Any]:
     """Return the environment that all trials of a run share, as JSON values.
 
-    The environment depends only on the machine, its packages and the checkout, not on the time.
+    The environment depends only on the engines, the machine, its packages and the checkout, not on the time.
+
+    Raises:
+        UnknownNameError: if no engine has one of the names.
+        EngineNotInstalledError: if an engine does not load.
     """
     environment = {
         "python": platform.python_version(),
@@ -51,10 +55,11 @@ def describe(engines: Iterable[str]) -> dict[str, Any]:
 
 
 def describe_engine(name: str) -> dict[str, Any]:
-    """Return version, capabilities and profiles of one engine.
+    """Return version, capabilities, profiles and, if any, missing knobs of one engine.
 
     Raises:
-        EngineNotInstalledError: if the engine's package is missing.
+        UnknownNameError: if no engine has this name.
+        EngineNotInstalledError: if the engine does not load.
     """
     shown = capabilities(name)  # loads the engine, so that a missing package raises EngineNotInstalledError
     description = {
@@ -70,7 +75,8 @@ def described_profiles(name: str) -> dict[str, dict[str, Any]]:
     """Return the description of each profile of an engine, by name.
 
     Raises:
-        EngineNotInstalledError: if the engine's package is missing.
+        UnknownNameError: if no engine has this name.
+        EngineNotInstalledError: if the engine does not load.
     """
     return {key: _profile(profile) for key, profile in profiles(name).items()}
 

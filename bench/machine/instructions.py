@@ -43,7 +43,7 @@ _REASONS = {
     errno.EPERM: "not allowed here: set kernel.perf_event_paranoid to 2 or less, or permit perf_event_open",
     errno.ENOSYS: "the kernel has no perf events",
 }
-"""Reasons for which instructions cannot be counted, by the error number of ``perf_event_open``."""
+"""Reasons why a process cannot count instructions, by the error number of ``perf_event_open``."""
 
 
 class InstructionCounter:

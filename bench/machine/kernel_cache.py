@@ -1,9 +1,9 @@
 """The folders of the core's compiled kernels: a folder for each version of the core's sources.
 
 Numba's cache detects a change of the kernel's own file, but not a change of an inlined kernel in another file. After an
-update of the checkout, Numba would therefore use stale kernels. A folder whose name contains the digest of all sources
-prevents the use of stale kernels. NumPy 1, which an old engine may need, has folders of its own, because NumPy 1 cannot
-load kernels from NumPy 2.
+update of the checkout, Numba would therefore use stale kernels. A folder whose name contains the digest of the core's
+sources prevents the use of stale kernels. NumPy 1, which an old engine may need, has folders of its own, because NumPy
+1 cannot load kernels from NumPy 2.
 """
 
 from __future__ import annotations
@@ -22,8 +22,9 @@ _CORE = ROOT / "stability_core"
 def keep_kernels_apart() -> None:
     """Set Numba's cache folder to the folder for this version of the core, unless the user has set a cache folder.
 
-    The function replaces the choice of a parent process, because this process may have another release of NumPy. Call
-    this function before the first import of Numba.
+    The function replaces the choice of a parent process, because this process may have another release of NumPy. If
+    the function cannot create the folder, it creates a temporary folder. Call this function before the first import of
+    Numba.
     """
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     kernels = home / "stillstack" / "kernels"

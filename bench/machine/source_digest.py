@@ -9,8 +9,8 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 """Folder of the checkout."""
 PORTS = "ports"
-"""Folder of the core's ports to engines. A digest of the core leaves out this folder, because a port only passes data
-between engine and core."""
+"""Name of the folder of the core's ports to engines. A digest of the core leaves out this folder, because a port only
+passes data between engine and core."""
 SUITE = tuple(
     ROOT / name for name in ("stability_core", f"stability_core/{PORTS}", "scenarios", "adapters", "reports", "bench")
 )
@@ -24,7 +24,7 @@ ROUNDS = PUBLISHED / "rounds"
 def sources_digest(folders: Iterable[Path]) -> str:
     """Return the digest of names and content of all Python files and engine profiles below ``folders``.
 
-    A subfolder ``PORTS`` counts only if ``folders`` lists it.
+    The digest has 16 hexadecimal digits. A subfolder ``PORTS`` counts only if ``folders`` lists it.
     """
     digest = hashlib.blake2b(digest_size=8)
     for folder in folders:

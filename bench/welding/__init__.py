@@ -2,8 +2,9 @@
 
 S.-W. Hsu, J. Keyser, "Automated constraint placement to maintain pile shape", ACM Transactions on Graphics 31(6), 2012.
 Their abstract names two stages: a local analysis of equilibrium finds stable objects, and constraints then restrict the
-degrees of freedom of some of them. Thomsen and Kraus add that groups are revised periodically, and that an object
-leaves its group when it is no longer in equilibrium or is hit by something fast. All else is our reading.
+degrees of freedom of some of them. Thomsen and Kraus add that the method revises groups periodically. An object leaves
+its group when it is no longer in equilibrium, or when something fast hits it. All other details are choices of this
+suite.
 """
 
 from bench.welding.extension import Load, WeldChange, WeldExtension, WeldPort

@@ -18,10 +18,10 @@ The load is one of two:
 
 - own: the body's own weight. Every contact may push the body, also a contact with a body above.
 - carried: the body's weight, and the weights that it carries, as in Eqs 1 to 5 of Thomsen and Kraus. A contact is
-  load-bearing if its friction cone contains the vertical. The bodies are tested from the top down along these contacts.
-  A tested body hands the vertical part of each force on its load-bearing contacts to the body below, at the place of
-  the contact. So the body below bears this weight, and the contact does not push it otherwise. The other contacts push
-  both of their bodies, as with the own weight.
+  load-bearing if its friction cone contains the vertical. The test proceeds from the top down along these contacts. The
+  vertical part of each force on a load-bearing contact of a tested body is a load of the body below, at the place of
+  the contact. This contact pushes the body below in no other way. All other contacts push both of their bodies, as with
+  the own weight.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ class Touches(NamedTuple):
 
 @numba.njit(cache=True)
 def _order(count: int, touches: Touches, height: FloatArray, up: FloatArray) -> IntArray:
-    """Return the rows of all bodies, each after the bodies that stand on it; in a circle the highest body comes first.
+    """Return the rows of all bodies, each after the bodies on it, or, in a circle, the highest body first.
 
     A body stands on another if a load-bearing contact of both pushes it up.
     """
@@ -98,7 +98,10 @@ def _order(count: int, touches: Touches, height: FloatArray, up: FloatArray) -> 
 
 @numba.njit(cache=True)
 def _edges_of(touches: Touches, rows: IntArray, sign: FloatArray, center: FloatArray, size: float) -> FloatArray:
-    """Return the wrenches (6, n * EDGES) of unit normal forces along the edges of the friction cones of n contacts."""
+    """Return the wrenches (6, n * EDGES) of forces along the edges of n friction cones, each with unit normal force.
+
+    The moments are about ``center``, in units of force times ``size``.
+    """
     wrenches = np.empty((6, len(rows) * EDGES))
     for i in range(len(rows)):
         normal = sign[i] * touches.normal[rows[i]]
@@ -125,7 +128,7 @@ def _value(residual: FloatArray, load: FloatArray, forces: FloatArray) -> float:
 
 @numba.njit(cache=True)
 def _forces(wrenches: FloatArray, load: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the forces (n,) along the edges ``wrenches`` (6, n) that best balance ``load`` (6,), and the rest (6,)."""
+    """Return the forces (n,) along the edges ``wrenches`` (6, n) that best balance ``load`` (6,), and the residual."""
     residual = load.copy()
     forces = np.maximum(0.0, -(residual @ wrenches)) / RIDGE
     value = _value(residual, load, forces)
@@ -150,12 +153,12 @@ def _forces(wrenches: FloatArray, load: FloatArray) -> tuple[FloatArray, FloatAr
 
 @numba.njit(cache=True)
 def _pushing(touches: Touches, body: int, loads: BoolArray, rows: IntArray, sign: FloatArray) -> int:
-    """List the contacts that may push ``body``, but not those that carry one of its ``loads``, shape (m,).
+    """List the contacts that may push ``body``: all its contacts except load-bearing contacts with a body in ``loads``.
 
     Args:
         touches: all contacts.
         body: the body's row.
-        loads: True for the bodies that are tested, whose weight is part of the load.
+        loads: True for each tested body, because its weight is already a load of the bodies below, shape (m,).
         rows: output, the rows of the contacts.
         sign: output, 1 for a normal towards the body, -1 for a normal away from it.
 
@@ -184,15 +187,17 @@ def residuals(
     touches: Touches,
     carried: bool,
 ) -> FloatArray:
-    """Return the force and moment that each body lacks for equilibrium, as a share of its load, shape (m,).
+    """Return the length of the force and moment that each body lacks for equilibrium, shape (m,).
+
+    The unit of the force is the body's load, and the unit of the moment is the load times the body's size.
 
     Args:
         center: centres of mass [m] of the m bodies, shape (m, 3).
-        size: sizes [m], shape (m,); a body of size 0 has no contact, and so lacks its whole weight.
+        size: sizes [m], shape (m,). A body of size 0 has no contact, and therefore lacks its whole weight.
         mass: masses [kg], shape (m,).
         gravity: gravity [m/s2], shape (3,).
         touches: the contact points that may carry force.
-        carried: True to load each body with what stands on it, False to load each body with its own weight only.
+        carried: True to load each body also with the bodies on it, False to load each body with its own weight only.
     """
     count, strength = len(mass), np.sqrt(np.dot(gravity, gravity))
     up = -gravity / strength

@@ -1,4 +1,4 @@
-"""The bodies that a welding policy sees: place, size, time at rest, and failed reviews of each."""
+"""Table of the bodies that joints may hold: place, size, time at rest, and failed reviews of each."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ _ROW = np.dtype(
     ]
 )
 NOBODY = -1
-"""Row of the ground, and of bodies that the host moves, because no joint holds them."""
+"""Row of a body that is not in the table, such as the ground or a body that the host moves."""
 
 
 class BodyTable:
-    """Table of the m bodies that joints may hold, a row a body, by rising id."""
+    """Table of the m bodies that joints may hold, with a row per body, by rising id."""
 
     def __init__(self) -> None:
         self.rows: npt.NDArray[np.void] = np.zeros(0, _ROW)
@@ -62,6 +62,8 @@ class BodyTable:
 
     def time_rest(self, slip: FloatArray, gravity: float, dt: float) -> None:
         """Add ``dt`` seconds to the time at rest of each body that is slow, and does not slip faster than allowed.
+
+        The time at rest of all other bodies becomes 0.
 
         Args:
             slip: greatest sliding speed [m/s] at the contacts of each body, shape (m,).

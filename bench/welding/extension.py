@@ -19,11 +19,11 @@ from stability_core.port import BoolArray, Contacts, FloatArray, IntArray, Stabi
 from stability_core.settings import ROUNDING_S
 
 Load = Literal["own", "carried"]
-"""Load of a body in the test of equilibrium: its own weight, or also what stands on it."""
+"""Load of a body in the test of equilibrium: its own weight, or also the weight of the bodies on it."""
 
 
 class WeldPort(StabilityPort, Protocol):
-    """A port with a fourth capability: joints between two bodies."""
+    """A port that can also join bodies."""
 
     def join(self, pairs: Iterable[Pair]) -> None:
         """Join pairs of live bodies, so that each pair keeps its present relative pose; skip joined pairs."""
@@ -35,14 +35,14 @@ class WeldPort(StabilityPort, Protocol):
 
 
 class WeldChange(NamedTuple):
-    """The changes of one update."""
+    """The changes since the previous update."""
 
     joined: tuple[Pair, ...]
-    """Pairs joined in this frame."""
+    """Pairs that this update joined."""
     parted: tuple[Pair, ...]
-    """Pairs parted in this frame, without pairs of a body that left the world."""
+    """Pairs parted since the previous update, without pairs of a body that left the world."""
     reasons: Mapping[int, str]
-    """Reason for each body that was parted from all its neighbours, by id."""
+    """Reason for each parting of a body from all its neighbours, by id: "held", "struck" or "out of balance"."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,9 +59,10 @@ class _Seen:
 
 
 class WeldExtension:
-    """Hsu and Keyser 2012: join bodies at rest that are in equilibrium, and part those that no longer are.
+    """The policy after Hsu and Keyser 2012: joints between bodies at rest that are in equilibrium.
 
-    Each body is tested on its own contacts (``bench.welding.balance``). Bodies are not joined to the ground.
+    The test of a body's equilibrium uses only the contacts of this body (``bench.welding.balance``). The policy joins
+    no body to the ground.
     """
 
     def __init__(self, port: WeldPort, load: Load, gravity: Sequence[float]) -> None:
@@ -70,7 +71,7 @@ class WeldExtension:
         Args:
             port: the view of the engine, with joints.
             load: load of a body in the test of equilibrium.
-            gravity: gravity [m/s2].
+            gravity: gravity [m/s2], shape (3,), not zero.
         """
         self._port = port
         self._load = load
@@ -86,7 +87,7 @@ class WeldExtension:
 
     @property
     def gravity(self) -> FloatArray:
-        """Gravity [m/s2], shape (3,). Assign it when gravity changes."""
+        """Return gravity [m/s2], shape (3,). The caller must assign the new gravity when gravity changes."""
         return self._gravity
 
     @gravity.setter
@@ -95,7 +96,10 @@ class WeldExtension:
         self._is_due = True
 
     def disturb(self, bodies: Iterable[int]) -> None:
-        """Part ``bodies`` from their neighbours, and join them to nothing, while a user holds or pushes them."""
+        """Part ``bodies`` from their neighbours while a user holds or pushes them, and join nothing to them.
+
+        The effect lasts until ``release``.
+        """
         self._hold(bodies, is_held=True)
         for body in bodies:
             self._release(body, "held")
@@ -105,14 +109,14 @@ class WeldExtension:
         self._hold(bodies, is_held=False)
 
     def adopt(self, bodies: Iterable[int]) -> WeldChange:
-        """Review bodies of a prebuilt stack at once, as if they had been at rest."""
+        """Review all bodies at once, with ``bodies`` of a prebuilt stack counted as at rest; return the changes."""
         self._look(MOMENT_S)
         rows = self._bodies.rows_of(np.fromiter(bodies, np.int64))
         self._bodies.rows["rest_s"][rows[rows != NOBODY]] = CORE.rest_s
         return self._change(self._review())
 
     def update(self, dt: float) -> WeldChange:
-        """Read the world after a step of ``dt`` seconds; part and join bodies."""
+        """Read the world after a step of ``dt`` seconds, part and join bodies, and return the changes."""
         seen = self._look(dt)
         for body in self._struck(seen, dt):
             self._release(body, "struck")
@@ -163,7 +167,7 @@ class WeldExtension:
         return mask
 
     def _struck(self, seen: _Seen, dt: float) -> list[int]:
-        """Return the joined bodies that something strikes fast, or is about to strike."""
+        """Return the ids of the bodies that something strikes fast, or is about to strike fast."""
         unit = np.sqrt(self._strength * seen.size)
         limit = np.maximum(CORE.impact_speed * unit, CORE.impact_frames * self._strength * dt)
         hard = (seen.approach > limit) & ~(seen.contacts.separation > AHEAD * seen.approach * dt)
@@ -173,7 +177,7 @@ class WeldExtension:
         return self._ids(rows[rows != NOBODY])
 
     def _review(self) -> list[Pair]:
-        """Test all bodies; part joined bodies out of equilibrium, and return the pairs to join."""
+        """Test all bodies; part joined bodies after ``FAILURES`` failed tests, and return the pairs to join."""
         self._since_s, self._is_due = 0.0, False
         rows, touches = self._bodies.rows, self._recent_touches()
         center, size, mass = (np.ascontiguousarray(rows[name]) for name in ("center", "size", "mass"))
@@ -194,7 +198,7 @@ class WeldExtension:
         return Touches(a, b, contacts.point, contacts.normal, contacts.friction, self._bears(contacts))
 
     def _candidates(self, touches: Touches, ready: BoolArray) -> list[Pair]:
-        """Return the touching pairs of ``ready`` bodies that are not joined, nearest to the ground first."""
+        """Return the touching pairs of ``ready`` bodies that are not joined, the lowest contact first."""
         is_ready = np.append(ready, False)  # the last one for NOBODY
         between = np.flatnonzero(is_ready[touches.a] & is_ready[touches.b])
         nearest = between[np.argsort(-(touches.point[between] @ self._gravity), kind="stable")]
@@ -203,7 +207,7 @@ class WeldExtension:
         return [pair for pair in distinct if pair not in self.joined]
 
     def _release(self, body: int, reason: str) -> None:
-        """Part a body from all its neighbours; it must rest again before it is joined again."""
+        """Part a body from all its neighbours, and restart its time at rest and its count of failed tests."""
         pairs = [pair for pair in self.joined if body in pair]
         row = self._bodies.rows_of(np.array([body]))
         self._bodies.rows["rest_s"][row[row != NOBODY]] = 0.0
@@ -217,7 +221,7 @@ class WeldExtension:
         self._is_due = True
 
     def _change(self, pairs: Sequence[Pair]) -> WeldChange:
-        """Join ``pairs``; return the changes since the latest call."""
+        """Join ``pairs``; return the changes since the previous call."""
         if pairs:
             self._port.join(pairs)
             self.joined.update(pairs)

@@ -1,4 +1,4 @@
-"""Choose the pairs to join: a forest that connects each group, and some loops."""
+"""Choice of the pairs to join: a forest that connects each group, and some loops."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ Pair = tuple[int, int]
 def new_joints(candidates: Sequence[Pair], joined: Iterable[Pair]) -> list[Pair]:
     """Return the candidates to join.
 
-    A candidate that connects two groups is joined. Another candidate closes a loop, and is joined if both bodies have
-    fewer than ``DEGREE`` joints.
+    The function first chooses every candidate that connects two groups. All other candidates close a loop. The function
+    chooses a candidate that closes a loop if both bodies have fewer than ``DEGREE`` joints.
 
     Args:
         candidates: pairs that may be joined, in the order of their preference.
@@ -44,7 +44,7 @@ def new_joints(candidates: Sequence[Pair], joined: Iterable[Pair]) -> list[Pair]
 
 
 def _root(group: dict[int, int], body: int) -> int:
-    """Return the body that stands for the group of ``body``, and shorten the path to it."""
+    """Return the body that represents the group of ``body``, and shorten the path to this body."""
     root = body
     while group.setdefault(root, root) != root:
         root = group[root]

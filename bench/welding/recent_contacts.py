@@ -32,7 +32,7 @@ class RecentContacts:
         ]
 
     def latest_of_pairs(self) -> Contacts:
-        """Return the contacts of each pair in the latest frame in which the pair had any."""
+        """Return the contacts of each pair, without forces, in the latest frame in which the pair had contacts."""
         kept: list[Contacts] = []
         seen: IntArray = np.empty((0, 2), np.int64)
         for _, frame in self._frames:

@@ -118,7 +118,7 @@ def test_the_recorded_limit_is_the_one_that_dart_has() -> None:
 def test_a_limit_that_cannot_be_raised_is_reported(monkeypatch) -> None:
     monkeypatch.setattr("adapters._dart_limits._GETTER", "no such method")
     with pytest.raises(
-        NotImplementedError, match=r"needs a limit of 145160 contacts, .* limit of 1000 contacts: install"
+        NotImplementedError, match=r"sets a limit of 145160 contacts .* limit of 1000 contacts: install"
     ):
         open_engine("dart", "game", expected=wall())
 

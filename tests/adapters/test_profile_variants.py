@@ -70,7 +70,7 @@ def test_the_frame_rate_goes_by_name() -> None:
     ("profile", "message"),
     [
         ("game@hz=0", "hz must be frames a second"),
-        ("game@offset=inf", "offset must be a number"),
+        ("game@offset=inf", "offset must be a finite number"),
         ("game@numSolverIterations=many", "'numSolverIterations' must be a whole number, such as 200, got 'many'"),
     ],
 )

@@ -111,7 +111,7 @@ def test_seeds_and_repeats_multiply_the_trials_and_seed_0_is_exact() -> None:
             "field 'scenario[0]': scenario four_stack: levels must be a whole number from 1",
         ),
         ({"profiles": ["gam"]}, "unknown profile of engine bullet 'gam'; did you mean 'game'?"),
-        ({"profiles": ["game@scale=0"]}, "profile 'game@scale=0': scale must be a positive number, got '0'"),
+        ({"profiles": ["game@scale=0"]}, "profile 'game@scale=0': scale must be a positive, finite number, got '0'"),
         ({"profiles": []}, "field 'profiles': must name at least one profile, because no sweep varies an engine"),
         ({"sweep": [{"engines": ["bullet"], "substeps": [0]}]}, "substeps must be a whole number from 1, got '0'"),
         ({"sweep": [{"engines": ["bullet"], "iterration": [1]}]}, "unknown field 'iterration'; did you mean"),
