@@ -21,8 +21,10 @@ Traps:
   lie inside its edges. Havok does not round a convex hull of the eight corners.
 - ``HP_World_SetIdealStepTime`` is 1/60 s as shipped: contacts in shorter steps are then as soft as in a step of 1/60 s.
   The value 0 switches this softness off.
-- In a world of scale 1 a slowly sliding brick stops (a plank slides 4 mm instead of 52 mm). Therefore all profiles have
-  scale 10.
+- In a world of scale 1 a slowly sliding brick stops (a plank slides 4 mm instead of 52 mm). Therefore the
+  profiles have scale 10 or 30.
+- With eight substeps at scale 10, Havok also stops slow falls: a cantilever, a table and an incline 5 % beyond their
+  limits stand. Scale 30 and 16 substeps show these falls. More substeps stop slow falls again.
 - Havok expects the inertia of a body as if its mass were 1 kg.
 - All events share one block of memory, and the peer can read an event only once. The peer reads the fields from memory
   and compares the memory layout with the API's functions at each start of the process.

@@ -21,6 +21,7 @@ from adapters.shared.bodies import Bodies
 from adapters.shared.pair_friction import PairFriction
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import Contacts, FloatArray, IntArray
+from stability_core.ports.shared.approach import Motions
 
 Pair: TypeAlias = tuple[int, int]
 """Two bodies, the smaller id first."""
@@ -201,6 +202,13 @@ class EngineHooks(ABC):
         of ``contact_completion`` returns the id of a fixed body. Unknown values are NaN. The arrays may be views until
         the next step.
         """
+
+    def _motions_before(self) -> Motions | None:
+        """Return the motions before each substep of the latest frame; None if nothing has recorded these motions.
+
+        The port calls this hook for engines without ``near_contacts`` only.
+        """
+        return None
 
     @abstractmethod
     def _find_contacts(self) -> Contacts:

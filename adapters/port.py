@@ -30,10 +30,14 @@ from adapters.shared.swept_contacts import HORIZON
 from scenarios.model import Brick
 from scenarios.solids import reach_of
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
+from stability_core.ports.shared.approach import fastest_approach
 
 MAX_REST_OVERLAP = 1e-3
 """Greatest overlap [m] of a frozen brick with a driven body, in addition to the driven body's motion in a frame. The
 value exceeds 0.4 mm, the greatest overlap that engines leave at rest."""
+
+IMPACT_SPEED = 0.01
+"""Loss of approach speed [m/s] in a frame that is an impact, because bodies at rest tremble more slowly."""
 
 NO_CONTACTS, NOWHERE = Contacts.empty(), np.empty((0, 3))
 """Empty results for a world without live bodies, so that the port does not query the engine."""
@@ -194,7 +198,30 @@ class EnginePort:
         if self._bodies.moved:
             self._place_boxes(self._bodies.moved)
         whole = self._boxes.with_missing_corners(contacts)
-        return self._boxes.with_near_pairs(whole, live, self._engine.world.friction, self._velocities_at)
+        near = self._boxes.with_near_pairs(whole, live, self._engine.world.friction, self._velocities_at)
+        return self._with_impacts(near, len(whole))
+
+    def _with_impacts(self, contacts: Contacts, first: int) -> Contacts:
+        """Return the contacts with the approach before the impact, for near pairs that met and parted in the frame.
+
+        After an early substep has stopped a body, the engine may list no contact of its pair at the frame's end. The
+        body's velocity then no longer shows the impact.
+
+        Args:
+            contacts: contacts of the frame.
+            first: row of the first contact of a near pair; near pairs come last.
+        """
+        before = self._engine._motions_before()
+        if before is None or first == len(contacts):
+            return contacts
+        near = contacts.chosen(np.arange(first, len(contacts)))
+        earlier = fastest_approach(before, near.body_a, near.body_b, near.point, near.normal)
+        closing = -np.einsum("ni,ni->n", earlier, near.normal)
+        present = -np.einsum("ni,ni->n", near.relative_velocity, near.normal)
+        has_met = (closing > present + IMPACT_SPEED) & (closing * self._engine.info.frame_s > near.separation)
+        velocity = contacts.relative_velocity.copy()
+        velocity[first:][has_met] = earlier[has_met]
+        return replace(contacts, relative_velocity=velocity)
 
     def _with_driven(self, contacts: Contacts, driven: list[int]) -> Contacts:
         """Add the contacts between ``driven`` and frozen bodies.

@@ -29,6 +29,7 @@ from adapters.profile import KnobValue
 from scenarios.model import Brick, Quaternion, Vector
 from scenarios.solids import enlarged
 from stability_core.port import Contacts, FloatArray, IntArray
+from stability_core.ports.shared.approach import Motions
 
 
 class _ScaledSimulation(Simulation):
@@ -108,6 +109,12 @@ class _ScaledSimulation(Simulation):
 
     def _contacts(self) -> Contacts:
         return self._in_scene(self._larger._contacts())
+
+    def _motions_before(self) -> Motions | None:
+        before = self._larger._motions_before()
+        if before is None:
+            return None
+        return replace(before, position=self._places_in_scene(before.position), linear=before.linear / self.scale)
 
     def _find_contacts(self) -> Contacts:
         return self._in_scene(self._larger._find_contacts())

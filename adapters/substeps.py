@@ -130,6 +130,9 @@ class SubstepSimulation(Simulation):
         friction = self.pair_friction.of(*pairs)
         return Contacts(*pairs, point, normal, separation, approach, friction, force)
 
+    def _motions_before(self) -> Motions | None:
+        return self._before
+
     def _with_friction(self, contacts: Contacts) -> Contacts:
         """Add friction forces from the bodies' change of momentum, for an engine that reports normal forces only."""
         if contacts.force is None or self._before is None:

@@ -157,9 +157,7 @@ class BridgeSimulation(Simulation):
         before = reply.states[-2 if self.contacts_at == "start" else -1]
         contacts = self._as_contacts(reply.contacts, self._replied, before, reply.states[-1])
         pairs, normal = (contacts.body_a, contacts.body_b), contacts.normal
-        earlier = reply.states[:-1]
-        motions = Motions(self._replied, earlier[:, :, POSITION], earlier[:, :, LINEAR], earlier[:, :, ANGULAR])
-        velocity = fastest_approach(motions, *pairs, contacts.point, normal, self.solver_noise)
+        velocity = fastest_approach(self._motions_before(), *pairs, contacts.point, normal, self.solver_noise)
         force = None
         if self.reads_forces and contacts.force is not None:
             force = mean_force(SubstepForces(*pairs, contacts.force), normal, self._earlier_forces(reply))
@@ -167,6 +165,12 @@ class BridgeSimulation(Simulation):
             Contacts(*pairs, contacts.point, normal, contacts.separation, velocity, contacts.friction, force),
             self.bodies,
         )
+
+    def _motions_before(self) -> Motions | None:
+        if self._reply is None:
+            return None
+        before = self._reply.states[:-1]
+        return Motions(self._replied, before[:, :, POSITION], before[:, :, LINEAR], before[:, :, ANGULAR])
 
     def _find_contacts(self) -> Contacts:
         if self._finder is None:

@@ -139,6 +139,7 @@ CHECKS: tuple[Check, ...] = (
     Check(fixed_boxes.freezes_on_a_fixed_box),
     Check(approaching.lists_what_is_about_to_strike, as_shipped=False),
     Check(approaching.does_not_list_what_passes_by, as_shipped=False),
+    Check(approaching.shows_pushes_against_a_frozen_brick, as_shipped=False),
     Check(driven.goes_where_it_is_driven),
     Check(driven.carries_what_lies_on_it, as_shipped=False),
     Check(driven.slides_on_a_tilted_platform_above_the_friction_angle, as_shipped=False),

@@ -4,13 +4,28 @@ from __future__ import annotations
 
 import numpy as np
 
-from adapters.conformance.rig import LENGTH, WEIGHTLESS, Rig, pairs, plank, pose, require, require_between, velocity
+from adapters.conformance.rig import (
+    LENGTH,
+    WEIGHTLESS,
+    Rig,
+    approach_speed,
+    pairs,
+    plank,
+    pose,
+    require,
+    require_between,
+    velocity,
+)
 from scenarios.model import Brick
 
 EDGE = 0.04
 """Edge [m] of the flying cube."""
 HEIGHT = 0.5
 """Height [m] of the target, a frozen plank."""
+SLOW = 0.05
+"""Speed [m/s] of a cube that moves 0.8 mm in a frame, as a hand pushes."""
+PUSHES = 8
+"""Number of pushes, one per frame."""
 
 
 def _fly(rig: Rig, speed: float, above: float) -> list[tuple[float, float, float, bool]]:
@@ -80,3 +95,22 @@ def does_not_list_what_passes_by(rig: Rig) -> None:
             not listed, f"the port lists a cube that passes at {speed} m/s in {len(listed)} frames, must not list it"
         )
         require(seen[-1][3], f"a cube that passes at {speed} m/s lost a tenth of its speed, must keep its speed")
+
+
+def shows_pushes_against_a_frozen_brick(rig: Rig) -> None:
+    """Check that the port lists the approach of a cube that an impulse pushes against a frozen plank in each frame.
+
+    The cube is too slow for the sweep of pairs that will meet. After a later substep has stopped the cube, an engine
+    may list no contact. A cube that an engine throws back approaches in some of the frames only.
+    """
+    simulation = rig.open(gravity=WEIGHTLESS)
+    target = simulation.spawn(plank(z=HEIGHT))
+    simulation.port.sleep([target])
+    cube = simulation.spawn(Brick((EDGE, 0.02, EDGE), 0.1, (-(LENGTH + EDGE) / 2 - 1e-5, 0.0, HEIGHT)))
+    closing = []
+    for _ in range(PUSHES):
+        simulation.push(cube, (0.1 * SLOW, 0.0, 0.0))
+        simulation.step(simulation.info.frame_s)
+        closing.append(approach_speed(simulation.port.contacts()))
+    shown = sum(speed > SLOW / 2 for speed in closing)
+    require_between(PUSHES / 2, shown, PUSHES, f"frames of {PUSHES} that show the approach of a pushed cube")

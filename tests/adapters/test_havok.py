@@ -1,4 +1,4 @@
-"""What is special to Havok: hulls instead of rounded boxes, a world ten times larger, sleep that cannot be tuned."""
+"""What is special to Havok: hulls instead of rounded boxes, a larger world, sleep that cannot be tuned."""
 
 import numpy as np
 import pytest
@@ -8,6 +8,7 @@ from adapters._havok import HavokSimulation
 from adapters.base import Simulation
 from adapters.bridge.errors import PeerError
 from adapters.bridge.external import ExternalEntry, describe
+from adapters.conformance import CHECKS
 from adapters.conformance.rig import LENGTH, THICKNESS, WIDTH, advance, frozen_column, place_on, plank, pose
 from adapters.profile import Knob, Profile, Sleeping
 from adapters.profile_variants import profile_of
@@ -61,6 +62,13 @@ def test_contact_points_lie_inside_the_edges_as_far_as_the_shape_is_rounded(shap
     assert np.abs(point[:, 0]).max() == pytest.approx(LENGTH / 2 - inside, abs=0.1e-3)
     assert np.abs(point[:, 1]).max() == pytest.approx(WIDTH / 2 - inside, abs=0.1e-3)
     simulation.close()
+
+
+@needs_havok
+def test_a_pusher_is_seen_that_an_early_substep_has_stopped() -> None:
+    """With 16 substeps the last one has a cube at rest, and Havok lists no contact of it."""
+    check = next(check for check in CHECKS if check.name == "shows_pushes_against_a_frozen_brick")
+    check.run("havok", "tuned")
 
 
 def open_with(profile: Profile) -> Simulation:
