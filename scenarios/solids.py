@@ -100,7 +100,8 @@ def polyhedron(
         level: level of the brick, from 1.
 
     Raises:
-        ValueError: if the points enclose no volume, or a value is not allowed; the message names the fix.
+        ValueError: if the points enclose no volume, the hull has more than ``polyhedra.MOST_VERTICES`` vertices, or a
+            value is not allowed; the message names the fix.
     """
     from scenarios.polyhedra import own_frame  # here, because trimesh is slow to import
 
@@ -245,15 +246,15 @@ def _made(
 ) -> Brick:
     if (mass is None) == (density is None):
         raise ValueError(
-            f"give either mass or density, got mass={mass} and density={density}: leave out mass or density"
+            f"a body must have either mass or density, got mass={mass} and density={density}: give exactly one of both"
         )
     brick = Brick(size, 1.0, position, quaternion, level, shape=shape)
     check_solid(brick)
     known = mass if density is None else density * volume_of(shape, size)
     if known is None or not (math.isfinite(known) and known > 0):
         raise ValueError(
-            f"mass and density must be positive and finite, got {mass} kg and {density} kg/m3: give a mass above 0 kg, "
-            "or a density above 0 kg/m3"
+            f"mass or density must be positive and finite, got mass={mass} and density={density}: give a mass above "
+            "0 kg, or a density above 0 kg/m3"
         )
     return replace(brick, mass=known)
 
