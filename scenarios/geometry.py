@@ -213,7 +213,9 @@ def resting_shift(
 
 
 def room_above_fixed(group: Boxes, fixed: Boxes) -> float:
-    """Return the distance [m] by which a rigid group can sink to the fixed boxes below; infinite without fixed boxes below.
+    """Return the distance [m] by which a rigid group can sink to the fixed boxes below.
+
+    The distance is infinite without fixed boxes below.
 
     To leave a fixed box, a box of the group may have to rise. If this rise is at least half the height of the group's
     box, the fixed box counts as a ceiling. A smaller rise does not count, because placement noise on a slope makes

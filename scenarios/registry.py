@@ -158,7 +158,8 @@ def _prebuilt(scenario: Scenario[...], built: str, **parameters: Value) -> Scene
 def with_defaults(name: str, parameters: Mapping[str, Value]) -> dict[str, Value]:
     """Return the parameters of an old record, with the defaults of the missing parameters of scenario ``name``.
 
-    The parameters of an unknown scenario stay the same. A new parameter does not change the scene at its default, so that old records remain comparable with new records.
+    The parameters of an unknown scenario stay the same. A new parameter does not change the scene at its default, so
+    that old records remain comparable with new records.
     """
     scenario = SCENARIOS.get(name)
     return {**(scenario.parameters if scenario else {}), **parameters}

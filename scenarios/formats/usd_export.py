@@ -18,9 +18,9 @@ from scenarios.solids import friction_of, moments_of
 def to_usd(scene: Scene) -> str:
     """Return a scene as the text of a USDA file, in metres and kilograms with z up.
 
-    The file has restitution 0, no actions, and no bricks that the scene removes or pulls out. A pair of bodies has the arithmetic mean
-    of both coefficients of friction in the physics schema, but the geometric mean in a scene. Both means are equal if
-    both coefficients are equal.
+    The file has restitution 0, no actions, and no bricks that the scene removes or pulls out. A pair of bodies has the
+    arithmetic mean of both coefficients of friction in the physics schema, but the geometric mean in a scene. Both
+    means are equal if both coefficients are equal.
 
     Raises:
         ExportRefusedError: if OpenUSD is missing; the message gives the command that installs OpenUSD.

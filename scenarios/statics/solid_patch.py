@@ -52,7 +52,7 @@ class OverlapError(ValueError):
 def solids_touch(
     first: Solid, second: Solid, *, gap: float, ridge_gap: float, parallel: float, is_bisector: bool = True
 ) -> tuple[FloatArray, FloatArray] | None:
-    """Return the corners (k, 3) [m] and the normal (3,) of two solids' patch; None if the solids are apart.
+    """Return the corners (k, 3) [m] and the normal (3,) of two solids' patch; None if the solids are apart or graze.
 
     Args:
         first: the solid from which the normal points.
@@ -136,7 +136,7 @@ def _across_edges(first: Solid, second: Solid, parallel: float) -> FloatArray:
 
 
 def _from_round_surfaces(first: Solid, second: Solid) -> FloatArray:
-    """Return the unit vectors (k, 3) between nearest points of both cores, for round surfaces."""
+    """Return the unit vectors (k, 3), for round surfaces, from vertices or edges of one core to vertices of the other."""
     normals = []
     if first.ball or second.ball:
         between = (second.core[None] - first.core[:, None]).reshape(-1, 3)
