@@ -164,7 +164,7 @@ def _on_ground(boxes: Boxes, thin: FloatArray, bricks: int, tolerance: Tolerance
 def touch(
     first: _Box, second: _Box, thin: float, ridge: Ridge, tolerance: Tolerance = PLANNED
 ) -> tuple[FloatArray, FloatArray] | None:
-    """Return the corners (k, 3) [m] of two boxes' patch, and the normal (3,) from the first box; None if they are apart.
+    """Return the corners (k, 3) [m] of two boxes' patch, and the normal (3,) from the first box; None if apart.
 
     Boxes that only graze count as apart: they touch only at the borders of their faces, and have no definite normal.
     Two boxes are apart exactly if one of fifteen directions separates them: six normals of faces, and nine cross

@@ -136,7 +136,10 @@ def _across_edges(first: Solid, second: Solid, parallel: float) -> FloatArray:
 
 
 def _from_round_surfaces(first: Solid, second: Solid) -> FloatArray:
-    """Return the unit vectors (k, 3), for round surfaces, from vertices or edges of one core to vertices of the other."""
+    """Return unit vectors (k, 3) from vertices or lines of edges of a core to vertices of the other core.
+
+    The result contains only the vectors that may be normals of a round surface.
+    """
     normals = []
     if first.ball or second.ball:
         between = (second.core[None] - first.core[:, None]).reshape(-1, 3)

@@ -157,8 +157,8 @@ def check_pile(bricks: Sequence[Brick], walls: Sequence[Brick], world: World) ->
     for index, brick in enumerate([*bricks, *walls]):
         if not np.isfinite([*brick.size, brick.mass, *brick.position, *brick.quaternion]).all():
             raise ValueError(
-                f"brick {index} must have finite numbers only, got {brick}: replace NaN and inf (the numbers of walls follow "
-                "the numbers of bricks)"
+                f"brick {index} must have finite numbers only, got {brick}: replace NaN and inf (the numbers of walls "
+                "follow the numbers of bricks)"
             )
         if min(*brick.size, brick.mass) <= 0:
             raise ValueError(
