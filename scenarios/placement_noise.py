@@ -98,8 +98,9 @@ def _beside(scene: Scene, group: Sequence[Brick], laid: Sequence[Brick]) -> Bool
     The mask is True for
 
     - laid bricks of the group's levels;
-    - laid bricks and fixed boxes beside the group's brick in the plan, unless the scene is poured, because poured
-      bricks do not lie in their planned places.
+    - laid bricks and fixed boxes beside the group's brick in the plan.
+
+    The second case does not apply to a poured scene, because poured bricks do not lie in their planned places.
     """
     levels = {brick.level for brick in group}
     same_level = [brick.level in levels for brick in laid] + [False] * len(scene.world.fixed)

@@ -181,18 +181,21 @@ def has_one_friction(bricks: Iterable[Brick], world: World) -> bool:
 def check_solid(brick: Brick) -> None:
     """Raise ``ValueError`` unless shape, size, friction, restitution and moments of a brick are valid."""
     if not all(math.isfinite(edge) and edge > 0 for edge in brick.size):
-        raise ValueError(f"brick size must be three positive lengths, got {brick.size} m: give lengths above 0 m")
+        raise ValueError(
+            f"brick size must be three positive lengths, got {brick.size} m for the brick at {brick.position} m: give "
+            "lengths above 0 m"
+        )
     if brick.shape != "box":
         _check_shape(brick)
     if brick.friction is not None and not 0 <= brick.friction <= MAX_FRICTION:
         raise ValueError(
-            f"brick friction must be None or a number from 0 to {MAX_FRICTION:g}, got {brick.friction}: give None for "
-            "the world's coefficient"
+            f"brick friction must be None or a number from 0 to {MAX_FRICTION:g}, got {brick.friction} for the "
+            f"brick at {brick.position} m: give None for the world's coefficient"
         )
     if brick.restitution is not None and not 0 <= brick.restitution <= 1:
         raise ValueError(
-            f"brick restitution must be None or a number from 0 to 1, got {brick.restitution}: give None for the "
-            "world's coefficient"
+            f"brick restitution must be None or a number from 0 to 1, got {brick.restitution} for the brick at "
+            f"{brick.position} m: give None for the world's coefficient"
         )
     if brick.moments is not None:
         _check_moments(brick.moments)
@@ -246,7 +249,8 @@ def _made(
 ) -> Brick:
     if (mass is None) == (density is None):
         raise ValueError(
-            f"a body must have either mass or density, got mass={mass} and density={density}: give exactly one of both"
+            f"a body must have either mass or density, got mass={mass} and density={density}: give the mass alone, "
+            "or the density alone"
         )
     brick = Brick(size, 1.0, position, quaternion, level, shape=shape)
     check_solid(brick)

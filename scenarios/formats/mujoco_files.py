@@ -9,9 +9,12 @@
 - The import leaves out visual geometries (without contact bits), fixed bodies below the ground, cameras, lights,
   sensors and keyframes.
 
-A scene cannot hold joints that are not free, actuators, tendons, equality constraints, contact pairs, flexes (soft
-bodies), skins, or a moving body of several collision geometries. The message of ``ImportRefusedError`` names the
-element and the fix.
+A scene cannot hold
+
+- joints that are not free, actuators, tendons, equality constraints, contact pairs, flexes (soft bodies) and skins;
+- a moving body of several collision geometries.
+
+The message of ``ImportRefusedError`` names the element and the fix.
 """
 
 from __future__ import annotations
@@ -110,7 +113,7 @@ def _refuse_elements(spec: Any) -> None:
             kind = str(joint.type).rpartition("mjJNT_")[2].partition(":")[0].lower()
             raise ImportRefusedError(
                 f"{kind} joint '{joint.name}' of body '{joint.parent.name}': a scene holds only free and fixed bodies; "
-                "use a freejoint, or remove the joint"
+                "use a freejoint, or remove the joint (in URDF, use the type floating or fixed)"
             )
 
 

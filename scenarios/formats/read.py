@@ -20,8 +20,8 @@ def read_file(path: Path) -> Imported:
     MuJoCo reads a file with an unknown suffix.
 
     Raises:
-        ImportRefusedError: if no reader for the file exists or is installed, the reader cannot read the file, a scene
-            cannot hold an element of the file, or a brick overlaps another body or floats; the message names the fix.
+        ImportRefusedError: if no reader of the format is installed, the reader cannot read the file, or a scene cannot
+            hold the content; the message names the fix.
         ValueError: if a mesh's convex hull is too flat, or has more than ``polyhedra.MOST_VERTICES`` vertices.
     """
     suffix = path.suffix.lower()

@@ -154,7 +154,8 @@ def _shape(prim: Any, unit: float, mass: float) -> Brick:
         counts, indices = mesh.GetFaceVertexCountsAttr().Get(), mesh.GetFaceVertexIndicesAttr().Get()
         if not is_convex(points, _triangles(counts, indices)):
             raise ImportRefusedError(
-                f"mesh '{prim.GetPath()}' is not convex: replace the mesh by its convex hull, or by convex parts"
+                f"mesh '{prim.GetPath()}' is not convex: replace the mesh by its convex hull, or a fixed mesh by "
+                "convex parts"
             )
         return polyhedron(points, position=(x, y, z), quaternion=quaternion_of(frame), mass=mass)
     if np.ptp(scale) > SKEW * scale.max():
@@ -217,7 +218,7 @@ def _triangles(counts: Sequence[int], indices: Sequence[int]) -> list[tuple[int,
 
 
 def _friction(prim: Any) -> float:
-    """Return the static friction of a collider's physics material, or ``MU`` without such a material."""
+    """Return the static friction of a collider's physics material; ``MU`` without a physics material."""
     from pxr import UsdPhysics, UsdShade
 
     material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial("physics")

@@ -72,7 +72,7 @@ def voussoir_arch(
         margin: share by which the thickness exceeds the least thickness; negative if the arch is thinner.
         friction: Coulomb coefficient of every pair. From 0.25 to below 0.4 the scene has no known answer.
         scale: factor on all lengths; the mean radius is 0.3 m at scale 1. At scale 1 an engine's tolerances of 0.1 mm
-            can decide whether the arch stands, because they are a hundredth of the thickness that a joint can lose.
+            can decide the outcome, because they are a hundredth of the thickness that a joint can lose.
         thickness: thickness over the mean radius, in place of ``margin``; 0 for the thickness with this margin.
     """
     least = least_thickness(voussoirs)

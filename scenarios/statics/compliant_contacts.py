@@ -257,7 +257,7 @@ def stiffness_by_weight(corners: Corners) -> FloatArray:
     """Return the stiffness of each corner, in proportion to the reduced weight of its two bodies, shape (p,).
 
     The reduced weight of two bodies with weights a and b is 1 / (1 / a + 1 / b). With this stiffness all bodies sink by
-    the same amount under their own weights, so that a heavy body does not sink and press on its neighbours.
+    the same amount under their own weights. Therefore a heavy body does not press on its neighbours.
     """
     compliance = 1.0 / np.append(_masses(corners), np.inf)  # the last entry is for GROUND, -1
     stiffness: FloatArray = 1.0 / (compliance[corners.first] + compliance[corners.second])

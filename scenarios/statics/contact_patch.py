@@ -266,7 +266,7 @@ def _at_ridge(
     ridge: Ridge,
     tolerance: Tolerance,
 ) -> tuple[FloatArray, FloatArray] | None:
-    """Return the segment (2, 3) [m] in which two parallel edges meet, and the normal (3,); None without such edges.
+    """Return the segment (2, 3) [m] in which two parallel edges meet, and the normal (3,); None if no edges meet.
 
     Args:
         first: the box from which the normal points.

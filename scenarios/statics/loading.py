@@ -10,8 +10,8 @@ stack that the contacts hold comes to rest at displacements u. Otherwise a body 
 method raises kappa (time squared over two) from 1 by factors of sqrt(10):
 
 - the stack *stands* if a falls in proportion to 1 / kappa over two decades, at a sag of at most ``MOST_SAG``;
-- the stack *falls* if a stays the same over two decades, in which the same stack with bonded contacts comes to rest,
-  or over the last two decades;
+- the stack *falls* if a stays the same over two decades, in which the bonded stack comes to rest, or over the last two
+  decades;
 - otherwise, or without convergence, the stack is in *doubt*.
 
 The verdict must be the same for every tangential stiffness of ``RATIOS`` and for both distributions of stiffness,

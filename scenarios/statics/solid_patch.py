@@ -193,7 +193,7 @@ def _shared(first: Solid, second: Solid, normal: FloatArray, gap: float, surface
 def _meeting_edges(
     first: Solid, second: Solid, faces: FloatArray, ridge_gap: float, parallel: float, is_bisector: bool
 ) -> tuple[FloatArray, FloatArray] | None:
-    """Return the segment (2, 3) [m] in which two parallel edges meet, and the normal (3,); None without such edges.
+    """Return the segment (2, 3) [m] in which two parallel edges meet, and the normal (3,); None if no edges meet.
 
     Args:
         first: the solid from which the normal points.

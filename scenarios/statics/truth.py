@@ -15,9 +15,9 @@ The first applicable criterion decides:
    doubt.
 6. All other cases: stable.
 
-Therefore a pile that must fall may be in doubt instead of unstable, but no pile that needs prestress is stable. If
-``LESS_FRICTION`` times the friction allows no forces at all, criterion 5 does not apply, so that the limits of a V and
-of an arch are sharp.
+Therefore a pile that must fall may be in doubt instead of unstable, but no pile that needs prestress is stable.
+Criterion 5 does not apply if ``LESS_FRICTION`` times the friction allows no forces at all. Therefore the limits of a V
+and of an arch are sharp.
 """
 
 from __future__ import annotations
@@ -62,8 +62,7 @@ def equilibrium(
         ridge: the normal where two parallel edges meet (see ``contact_patch``).
 
     Raises:
-        ValueError: if ``bricks`` is empty, gravity is zero, a number is out of range or not finite, or a brick overlaps
-            a brick, a wall or the ground.
+        ValueError: if ``bricks`` is empty, gravity is zero, a number is out of range or not finite, or bodies overlap.
     """
     walls = [*world.fixed, *walls]
     check_pile(bricks, walls, world)

@@ -50,7 +50,7 @@ def read_tables(content: Mapping[str, Any], name: str, *, least: int, most: int)
     if not is_list or not least <= len(tables) <= most:
         raise ValueError(
             f"the file must contain {least} to {most} tables [[{name}]], got "
-            f"{len(tables) if is_list else repr(tables)}: add or remove tables"
+            f"{len(tables) if is_list else repr(tables)}: add or remove tables, each with the header [[{name}]]"
         )
     return list(tables)
 
@@ -70,7 +70,7 @@ def read_numbers(name: str, value: object, count: int, least: float, most: float
     """Return the list of ``count`` numbers from ``least`` to ``most`` in the required field ``name``.
 
     Raises:
-        ValueError: if ``value`` is None (the field is missing), or no list of ``count`` such numbers.
+        ValueError: if ``value`` is None (the field is missing), or no list of ``count`` numbers in this range.
     """
     wanted = f"a list of {count} numbers from {least:g} to {most:g}"
     if value is None:
@@ -154,8 +154,8 @@ def _turn(name: str, table: Mapping[str, Any]) -> Quaternion:
         w, i, j, k = read_numbers(f"{name}.quaternion", table["quaternion"], 4, -1.0)
         if abs(math.hypot(w, i, j, k) - 1) > _UNIT:
             raise ValueError(
-                f"{name}.quaternion must be of unit length, got {math.hypot(w, i, j, k):g}: divide the "
-                "quaternion by its length"
+                f"{name}.quaternion must be of unit length, got {math.hypot(w, i, j, k):g}: correct "
+                "the quaternion, or divide the quaternion by its length"
             )
         return w, i, j, k
     half = math.radians(read_number(f"{name}.yaw", table.get("yaw", 0.0), -360, 360)) / 2

@@ -82,8 +82,8 @@ def at_once_below(scene: Scene) -> Scene:
     level = _level_of_fall(scene)
     if level is None or level == 1:
         raise ValueError(
-            f"built = 'at_once_below' needs a scene that falls above level 1 by a placement, but {scene.variant} does "
-            "not: use built = 'at_once'"
+            f"built = 'at_once_below' needs a scene that falls above level 1 during its placements, but "
+            f"{scene.variant} does not: use built = 'at_once'"
         )
     bricks = tuple(brick for brick in scene.bricks if brick.level < level)
     return _robbed(replace(_merged(scene, AT_ONCE_BELOW), actions=(Place(0.0, bricks, 0.0),)))
