@@ -132,7 +132,7 @@ def reweighted(brick: Brick, factor: float) -> Brick:
 
 
 def volume_of(shape: Shape, size: Vector) -> float:
-    """Return the volume [m3] of a shape."""
+    """Return the volume [m3] of a shape with the edge lengths ``size`` [m]."""
     if isinstance(shape, Polyhedron):
         from scenarios.polyhedra import mass_properties
 
@@ -154,7 +154,7 @@ def moments_of(brick: Brick) -> Vector:
 
 
 def reach_of(brick: Brick) -> float:
-    """Return the greatest distance [m] of a brick's point from the centre of mass."""
+    """Return the greatest distance [m] of a point of a brick from the brick's centre of mass."""
     return shapes.reach(brick.shape, brick.size)
 
 

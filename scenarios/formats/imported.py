@@ -19,7 +19,7 @@ class ExportRefusedError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Imported:
-    """The content of a file."""
+    """The content of an imported file."""
 
     name: str
     world: World

@@ -63,7 +63,7 @@ def free_brick(model: Any, data: Any, body: int, name: str, geoms: Sequence[Geom
     Raises:
         ImportRefusedError: if the body has no geometry or several geometries, a brick cannot have the geometry's
             shape, or the mass properties do not fit the shape; the message names the body or geometry, and the fix.
-        ValueError: if a mesh's convex hull is too flat, or has more than ``MOST_VERTICES`` vertices.
+        ValueError: if a mesh's convex hull is too flat, or has more than ``polyhedra.MOST_VERTICES`` vertices.
     """
     if len(geoms) != 1:
         raise ImportRefusedError(
@@ -146,7 +146,7 @@ def fixed_bodies(model: Any, geom: Geom, notes: list[str]) -> list[Brick]:
 
     Raises:
         ImportRefusedError: if a fixed body cannot have the geometry's type, or CoACD, which splits meshes, is missing.
-        ValueError: if a convex hull is too flat, or has more than ``MOST_VERTICES`` vertices.
+        ValueError: if a convex hull is too flat, or has more than ``polyhedra.MOST_VERTICES`` vertices.
     """
     if geom.kind == mujoco.mjtGeom.mjGEOM_MESH and not is_convex(*_mesh(model, geom.mesh)):
         parts = convex_parts(geom.name, *_mesh(model, geom.mesh))

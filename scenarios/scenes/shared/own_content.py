@@ -19,7 +19,7 @@ WATCH_S = 5.0
 
 @dataclass(frozen=True, slots=True)
 class OwnContent:
-    """The content of a file."""
+    """The content of a user's own scene."""
 
     world: World
     bricks: tuple[Brick, ...]

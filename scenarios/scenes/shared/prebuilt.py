@@ -210,7 +210,7 @@ def _load_bearing(scene: Scene) -> int | None:
 def _seen_without(
     index: int, gone: set[int], bricks: Sequence[Brick], patches: Sequence[Patch], height: float
 ) -> list[int]:
-    """Return the indices of the bricks on the brick ``index`` whose fall without this brick would be visible."""
+    """Return the indices of the bricks that touch the brick ``index``, and whose fall without it would be visible."""
     present = [patch for patch in patches if not gone & {patch.first, patch.second}]
     touching = {*(p.second for p in present if p.first == index), *(p.first for p in present if p.second == index)}
     rest = [patch for patch in present if index not in (patch.first, patch.second)]
