@@ -91,7 +91,7 @@ class Bisection:
         return Bracket(low, high, (), "", stands)
 
     def search(self, stands: Callable[[float], bool]) -> Bracket:
-        """Call ``stands`` with one value after another until the search ends; return the final bracket."""
+        """Call ``stands`` with one value after another until the search ends, and return the final bracket."""
         answers: dict[float, bool | None] = {}
         while (bracket := self.bracket(answers)).next:
             answers |= {value: stands(value) for value in bracket.next}

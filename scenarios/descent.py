@@ -3,7 +3,7 @@
 A point a of the upper body lies straight above a point b of the lower body if a - b = (0, 0, h). The upper body can
 sink by the smallest h of all pairs of points. All differences a - b fill a convex set D. The farthest point of D along
 a direction (a support point) is the difference of the bodies' support points. The smallest h is the height at which the
-z axis enters D from below:
+z axis enters D from below. Bodies that are flush to within ``GRAZE``, seen from above, count as beside each other.
 
 1. The distance algorithm of Gilbert, Johnson and Keerthi, in two dimensions, finds a triangle of points of D around the
    z axis, seen from above. If the algorithm finds no triangle, D lies beside the axis, and no part of one body is above
@@ -50,7 +50,7 @@ class Placed:
     """Rotation matrix from the own frame to the world's, shape (3, 3)."""
 
     def support(self, direction: FloatArray) -> FloatArray:
-        """Return a point (3,) [m] of the body that is farthest along ``direction`` (3,)."""
+        """Return the body's farthest point [m] along a direction (3,), shape (3,), in the world's frame."""
         local = support_points(self.shape, self.size, (direction @ self.turn)[None])[0]
         farthest: FloatArray = self.center + self.turn @ local
         return farthest
@@ -59,7 +59,8 @@ class Placed:
 def lowest_difference(upper: Placed, lower: Placed) -> float:
     """Return the distance [m] by which the upper body can sink straight down to the lower body.
 
-    The distance is infinite if no part of the upper body is above the lower body, and negative if the bodies overlap.
+    The distance is infinite if the bodies do not overlap in plan (seen from above) by more than ``GRAZE``. The distance
+    is negative if the upper body must rise to lie on the lower body.
     """
 
     def support(direction: FloatArray) -> FloatArray:
@@ -70,7 +71,10 @@ def lowest_difference(upper: Placed, lower: Placed) -> float:
 
 
 def _around_axis(support: SupportOf, inner: FloatArray) -> FloatArray | None:
-    """Return a triangle (3, 3) of the set around the z axis, seen from above; None if the set lies beside the axis."""
+    """Return a triangle (3, 3) of the set around the z axis, seen from above.
+
+    The result is None if the set lies beside the axis, or the axis lies within ``GRAZE`` of the border of its outline.
+    """
     toward = -inner[:2] if np.hypot(*inner[:2]) > GRAZE else np.array([1.0, 0.0])
     points = [support(np.append(toward, 0.0))]
     for _ in range(_MOST_STEPS):
@@ -157,7 +161,7 @@ def _is_around(first: FloatArray, second: FloatArray, third: FloatArray) -> bool
 
 
 def _lowered(triangle: FloatArray, support: SupportOf) -> float:
-    """Return the height [m] at which the axis enters the set; start from a ``triangle`` of the set around the axis."""
+    """Return the height [m] at which the axis enters the set from below, from a ``triangle`` (3, 3) around the axis."""
     height = np.inf
     for _ in range(_MOST_STEPS):
         slope_x, slope_y, height = np.linalg.solve(np.column_stack([triangle[:, :2], np.ones(3)]), triangle[:, 2])
@@ -173,7 +177,10 @@ def _lowered(triangle: FloatArray, support: SupportOf) -> float:
 
 
 def _inside(triangle: FloatArray) -> float:
-    """Return the axis's least barycentric coordinate in a triangle, seen from above; at most 1/3, negative outside."""
+    """Return the axis's least barycentric coordinate in a triangle, seen from above.
+
+    The coordinate is at most 1/3, and negative outside. It is minus infinity for a triangle without area.
+    """
     first, second, third = triangle
     area = _turns(second - first, third - first)
     if abs(area) <= _THIN * max(float(point[:2] @ point[:2]) for point in triangle):

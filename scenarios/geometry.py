@@ -92,13 +92,16 @@ class Boxes:
 
     @property
     def corners(self) -> FloatArray:
-        """Return all corners [m], shape (n, 8, 3)."""
+        """Return all corners [m] in the world's frame, shape (n, 8, 3)."""
         from_center: FloatArray = np.einsum("ck,nkd->ncd", _SIGNS, self.half_axes)
         return self.center[:, None, :] + from_center
 
     @property
     def gyration(self) -> FloatArray:
-        """Return the inertia over the mass [m2] of homogeneous boxes about their centres, shape (n, 3, 3)."""
+        """Return the inertia over the mass [m2] of homogeneous boxes about their centres, shape (n, 3, 3).
+
+        The components are along the world's axes.
+        """
         moments = np.einsum("nki,nkj->nij", self.half_axes, self.half_axes) / 3
         gyration: FloatArray = np.einsum("nkk->n", moments)[:, None, None] * np.eye(3) - moments
         return gyration
@@ -133,7 +136,7 @@ def vertical_clearance(upper: Boxes, lower: Boxes) -> FloatArray:
     """Return the distance [m] by which each upper box can sink straight down to each lower box, shape (m, n).
 
     The distance is infinite if the boxes do not overlap in plan (seen from above). The distance is negative if the
-    upper box must rise to leave the lower box.
+    upper box must rise to lie on the lower box.
     """
     clearance = np.full((len(upper), len(lower)), np.inf)
     apart = np.abs(upper.center[:, None, :2] - lower.center[None, :, :2])
@@ -210,7 +213,9 @@ def resting_shift(
 
 
 def room_above_fixed(group: Boxes, fixed: Boxes) -> float:
-    """Return the distance [m] by which a rigid group can sink to the fixed boxes below; infinite if none is below.
+    """Return the distance [m] by which a rigid group can sink to the fixed boxes below.
+
+    The distance is infinite without fixed boxes below.
 
     To leave a fixed box, a box of the group may have to rise. If this rise is at least half the height of the group's
     box, the fixed box counts as a ceiling. A smaller rise does not count, because placement noise on a slope makes
@@ -222,7 +227,9 @@ def room_above_fixed(group: Boxes, fixed: Boxes) -> float:
 
 
 def _lowest_difference(center: FloatArray, half_axes: FloatArray) -> FloatArray:
-    """Return the height [m] at which the z axis enters each zonotope, shape (p,); infinite if the axis misses.
+    """Return the height [m] at which the z axis enters each zonotope, shape (p,).
+
+    The height is infinite if the axis misses the zonotope, or only grazes the zonotope.
 
     Args:
         center: centres [m], shape (p, 3).

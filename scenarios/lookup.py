@@ -1,4 +1,4 @@
-"""Look up a name in a table. The error for an unknown name gives the nearest match and all allowed names."""
+"""Look-up of a name in a table, with an error that gives all allowed names and a near match."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ Item = TypeVar("Item")
 
 
 class UnknownNameError(LookupError):
-    """Error for an unknown name; the message gives the nearest match and all allowed names."""
+    """Error for an unknown name; the message gives all allowed names and, if a name is similar, the nearest match."""
 
 
 def unknown_name(kind: str, name: str, allowed: Iterable[str]) -> UnknownNameError:
-    """Return the error for an unknown ``name`` of a ``kind``."""
+    """Return the error for an unknown ``name`` of a ``kind`` with the names ``allowed``."""
     names = list(allowed)
     near = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
     hint = f"; did you mean '{near[0]}'?" if near else "."

@@ -25,7 +25,7 @@ planned absolute heights the drops would grow as the stack sinks."""
 
 @dataclass(frozen=True, slots=True)
 class World:
-    """Properties that all bricks of a scene share. The ground's upper face is z = 0."""
+    """Gravity, fixed bodies and default coefficients of a scene. The ground's upper face is z = 0."""
 
     friction: float = 0.45
     """Coulomb coefficient of the ground, and of every brick and fixed body without its own. A pair has the geometric
@@ -71,7 +71,7 @@ class Brick:
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Action that releases bricks together, as one rigid group, a little above their actual support.
+    """Action that releases bricks together, as one rigid group, at a given height above their actual support.
 
     The group keeps its planned x, y, orientation and relative heights. The harness shifts the group along z until the
     least gap between the group and the actual bodies below is ``height`` [m].

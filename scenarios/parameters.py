@@ -1,8 +1,8 @@
 """Parameters of scenes: their ranges, and the id of the variant with given values.
 
-A builder is a function that plans a scene. The builder annotates each parameter with its range, as in ``courses:
-Annotated[int, Whole(1, 200)] = 8``. The decorator ``scenarios.scenario.scenario`` turns the builder into a scenario.
-The scenario checks every value before the builder runs.
+A builder is a function that plans a scene. The builder annotates a parameter with its range, as in ``courses:
+Annotated[int, Whole(1, 200)] = 8``. A decorator of ``scenarios.scenario`` turns the builder into a scenario. The
+scenario checks each value with a range before the builder runs. The builder itself checks all other values.
 """
 
 from __future__ import annotations
@@ -119,7 +119,7 @@ def variant_of(name: str, defaults: Mapping[str, Value], parameters: Mapping[str
 
 
 def short(value: Value) -> str:
-    """Return the shortest text that distinguishes a value from all other values."""
+    """Return the text of a value in an id, without decimals for a whole number."""
     if isinstance(value, float) and math.isfinite(value) and value.is_integer():
         return str(int(value))
     return str(value)

@@ -52,10 +52,10 @@ def with_placement_noise(scene: Scene, seed: int) -> Scene:
     """Return the scene with placement noise; the unchanged scene for seed 0.
 
     The bricks of a ``Place`` action move as one rigid group, which turns about its centroid. In a planar scene the
-    group moves along x only. The function draws again if the group would overlap
+    group moves along x only. The function draws again if the group, seen from above, would overlap
 
-    - an earlier brick of the same level, or
-    - a brick or a fixed box beside the group in the plan.
+    - an earlier brick of a level of the group, or
+    - a brick or a fixed box beside a brick of the group in the plan, unless the scene is poured.
 
     Raises:
         ValueError: if the seed is negative.
@@ -98,8 +98,9 @@ def _beside(scene: Scene, group: Sequence[Brick], laid: Sequence[Brick]) -> Bool
     The mask is True for
 
     - laid bricks of the group's levels;
-    - laid bricks and fixed boxes beside the group's brick in the plan. A poured scene has no bricks of this kind,
-      because poured bricks do not lie in their planned places.
+    - laid bricks and fixed boxes beside the group's brick in the plan.
+
+    The second case does not apply to a poured scene, because poured bricks do not lie in their planned places.
     """
     levels = {brick.level for brick in group}
     same_level = [brick.level in levels for brick in laid] + [False] * len(scene.world.fixed)

@@ -1,4 +1,4 @@
-"""The toy plank of the scenes, in its poses: flat or leaning.
+"""The toy plank of the scenes, flat or leaning, and boxes of the same wood.
 
 A KAPLA plank is nominally 117.0 x 23.4 x 7.8 mm (15 : 3 : 1) and weighs 11.9 g on average (557 kg/m3, pine). A plank's
 own x axis runs along its length, y along its width and z along its thickness.

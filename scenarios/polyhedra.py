@@ -105,9 +105,12 @@ def triangles(polyhedron: Polyhedron) -> tuple[tuple[int, int, int], ...]:
 
 @lru_cache(maxsize=512)
 def check_polyhedron(polyhedron: Polyhedron) -> None:
-    """Raise ``ValueError`` unless a polyhedron is convex and lies in its own frame; the message names the fix."""
+    """Raise ``ValueError`` unless a polyhedron is valid; the message names the fix.
+
+    A valid polyhedron has 4 to ``MOST_VERTICES`` finite vertices, is convex and not flat, and lies in its own frame.
+    """
     if not np.isfinite(polyhedron.array).all():
-        raise ValueError(f"vertices must be finite, got {polyhedron.vertices}; check for NaN")
+        raise ValueError(f"vertices must be finite, got {polyhedron.vertices}: replace NaN and inf")
     hull = _hull(polyhedron.array)
     extent = max(polyhedron.extents)
     depth = np.asarray(hull.triangles_center)[:, None] - polyhedron.array[None]

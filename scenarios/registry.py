@@ -124,7 +124,8 @@ def build(name: str, **parameters: Value) -> Scene:
 
     Raises:
         UnknownNameError: if no scenario has the ``name``, or the scenario has no parameter with a given name.
-        ValueError: if a parameter's value is not allowed; the message names the allowed values.
+        ValueError: if a parameter's value is not allowed, or the scenario cannot build a scene with these values; the
+            message names the scenario and the fix.
     """
     scenario = look_up("scenario", name, SCENARIOS)
     for parameter in parameters:
@@ -155,9 +156,10 @@ def _prebuilt(scenario: Scenario[...], built: str, **parameters: Value) -> Scene
 
 
 def with_defaults(name: str, parameters: Mapping[str, Value]) -> dict[str, Value]:
-    """Complete the parameters of an old record with the defaults of newer parameters.
+    """Return the parameters of an old record, with the defaults of the missing parameters of scenario ``name``.
 
-    A new parameter does not change the scene at its default, so that old records remain comparable with new records.
+    The parameters of an unknown scenario stay the same. A new parameter does not change the scene at its default, so
+    that old records remain comparable with new records.
     """
     scenario = SCENARIOS.get(name)
     return {**(scenario.parameters if scenario else {}), **parameters}

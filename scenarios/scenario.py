@@ -1,4 +1,4 @@
-"""Scenarios: the decorator ``scenario`` turns a builder into a scenario.
+"""Scenarios: the decorator ``scenario`` or ``dynamic_scenario`` turns a builder into a scenario.
 
     @scenario
     def plank_tower(*, levels: Annotated[int, Whole(1, 500)] = 26) -> Plan: ...
@@ -7,7 +7,8 @@
 - The builder's signature gives the parameters with their defaults and ranges.
 - The first line of the builder's docstring is the description of the scene.
 
-A call of the scenario checks the values, calls the builder, and adds ids and parameters to the returned plan.
+A call of the scenario checks the values that have a range, calls the builder, and adds ids and parameters to the
+returned plan.
 """
 
 from __future__ import annotations
@@ -90,6 +91,7 @@ class Scenario(Generic[P]):
         """Build the scene with ``parameters``; missing parameters take their defaults.
 
         Raises:
+            TypeError: if the builder has no parameter with a given name.
             ValueError: if a value is not allowed, or a brick of a planar scene leaves the x-z plane; the message names
                 the allowed values or the fix.
         """
@@ -138,7 +140,7 @@ def scenario(builder: Callable[P, Plan | Scene]) -> Scenario[P]:
 
 
 def dynamic_scenario(builder: Callable[P, Plan | Scene]) -> Scenario[P]:
-    """Make a scenario of dynamics from a builder whose scenes also pour, drop, push, pull or move bricks."""
+    """Make a scenario of dynamics from a builder whose scenes do not only place and remove bricks."""
     return _scenario(builder, is_static=False)
 
 

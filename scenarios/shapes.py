@@ -92,7 +92,7 @@ def support_points(shape: Shape, size: Point, directions: FloatArray) -> FloatAr
 
     Args:
         shape: the shape.
-        size: edge lengths [m] of the smallest box along its own axes.
+        size: edge lengths [m] of the smallest box along the shape's own axes.
         directions: vectors of any length above 0, shape (n, 3), in the shape's own frame.
     """
     if isinstance(shape, Polyhedron):

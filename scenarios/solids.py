@@ -100,7 +100,8 @@ def polyhedron(
         level: level of the brick, from 1.
 
     Raises:
-        ValueError: if the points enclose no volume, or a value is not allowed; the message names the fix.
+        ValueError: if the points enclose no volume, the hull has more than ``polyhedra.MOST_VERTICES`` vertices, or a
+            value is not allowed; the message names the fix.
     """
     from scenarios.polyhedra import own_frame  # here, because trimesh is slow to import
 
@@ -131,7 +132,7 @@ def reweighted(brick: Brick, factor: float) -> Brick:
 
 
 def volume_of(shape: Shape, size: Vector) -> float:
-    """Return the volume [m3] of a shape."""
+    """Return the volume [m3] of a shape with the edge lengths ``size`` [m]."""
     if isinstance(shape, Polyhedron):
         from scenarios.polyhedra import mass_properties
 
@@ -153,7 +154,7 @@ def moments_of(brick: Brick) -> Vector:
 
 
 def reach_of(brick: Brick) -> float:
-    """Return the greatest distance [m] of a brick's point from the centre of mass."""
+    """Return the greatest distance [m] of a point of a brick from the brick's centre of mass."""
     return shapes.reach(brick.shape, brick.size)
 
 
@@ -180,18 +181,21 @@ def has_one_friction(bricks: Iterable[Brick], world: World) -> bool:
 def check_solid(brick: Brick) -> None:
     """Raise ``ValueError`` unless shape, size, friction, restitution and moments of a brick are valid."""
     if not all(math.isfinite(edge) and edge > 0 for edge in brick.size):
-        raise ValueError(f"brick size must be three positive lengths, got {brick.size} m: give lengths above 0 m")
+        raise ValueError(
+            f"brick size must be three positive lengths, got {brick.size} m for the brick at {brick.position} m: give "
+            "lengths above 0 m"
+        )
     if brick.shape != "box":
         _check_shape(brick)
     if brick.friction is not None and not 0 <= brick.friction <= MAX_FRICTION:
         raise ValueError(
-            f"brick friction must be None or a number from 0 to {MAX_FRICTION:g}, got {brick.friction}: give None for "
-            "the world's coefficient"
+            f"brick friction must be None or a number from 0 to {MAX_FRICTION:g}, got {brick.friction} for the "
+            f"brick at {brick.position} m: give None for the world's coefficient"
         )
     if brick.restitution is not None and not 0 <= brick.restitution <= 1:
         raise ValueError(
-            f"brick restitution must be None or a number from 0 to 1, got {brick.restitution}: give None for the "
-            "world's coefficient"
+            f"brick restitution must be None or a number from 0 to 1, got {brick.restitution} for the brick at "
+            f"{brick.position} m: give None for the world's coefficient"
         )
     if brick.moments is not None:
         _check_moments(brick.moments)
@@ -245,15 +249,16 @@ def _made(
 ) -> Brick:
     if (mass is None) == (density is None):
         raise ValueError(
-            f"give either mass or density, got mass={mass} and density={density}: leave out mass or density"
+            f"a body must have either mass or density, got mass={mass} and density={density}: give the mass alone, "
+            "or the density alone"
         )
     brick = Brick(size, 1.0, position, quaternion, level, shape=shape)
     check_solid(brick)
     known = mass if density is None else density * volume_of(shape, size)
     if known is None or not (math.isfinite(known) and known > 0):
         raise ValueError(
-            f"mass and density must be positive and finite, got {mass} kg and {density} kg/m3: give a mass above 0 kg, "
-            "or a density above 0 kg/m3"
+            f"mass or density must be positive and finite, got mass={mass} and density={density}: give a mass above "
+            "0 kg, or a density above 0 kg/m3"
         )
     return replace(brick, mass=known)
 

@@ -18,7 +18,7 @@ _RINGS = 8
 
 @dataclass(frozen=True, slots=True)
 class Surface:
-    """The surface of a shape in its own frame."""
+    """The surface of a shape, in the shape's own frame."""
 
     corners: FloatArray
     """Corners [m], shape (n, 3)."""
@@ -39,7 +39,7 @@ def surface_of(shape: Shape, size: Point) -> Surface:
 
     Args:
         shape: the shape.
-        size: edge lengths [m] of the smallest box along its own axes.
+        size: edge lengths [m] of the smallest box along the shape's own axes.
     """
     if isinstance(shape, Polyhedron):
         from scenarios.polyhedra import faces  # here, because trimesh is slow to import

@@ -1,4 +1,4 @@
-"""The bricks of a scene that are in place at its end."""
+"""The bricks that a scene neither removes nor pulls out."""
 
 from __future__ import annotations
 
@@ -6,6 +6,6 @@ from scenarios.model import Brick, Pull, Remove, Scene
 
 
 def final_bricks(scene: Scene) -> list[tuple[int, Brick]]:
-    """Return index and planned pose of each brick that the scene neither removes nor pulls out."""
+    """Return each brick that the scene neither removes nor pulls out, with its index in the order of placement."""
     taken = {action.brick for action in scene.actions if isinstance(action, Remove | Pull)}
     return [(index, brick) for index, brick in enumerate(scene.bricks) if index not in taken]

@@ -1,4 +1,4 @@
-"""The content of an imported file: bricks, fixed bodies, gravity, friction, and a note about each change."""
+"""The content of an imported file: bricks, fixed bodies, gravity, friction, and notes on changes."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from scenarios.model import Brick, World
 
 
 class ImportRefusedError(ValueError):
-    """Error for a file with an element that a scene cannot hold; the message names the element and the fix."""
+    """Error for a file that the import cannot turn into a scene; the message names the cause and the fix."""
 
 
 class ExportRefusedError(ValueError):
-    """Error for a body that a format cannot hold; the message names the body and the fix."""
+    """Error for a format that cannot hold a body, or whose package is missing; the message names the fix."""
 
 
 @dataclass(frozen=True, slots=True)
 class Imported:
-    """The content of a file."""
+    """The content of an imported file."""
 
     name: str
     world: World
@@ -35,7 +35,7 @@ def with_common_friction(world: World, bricks: Sequence[Brick]) -> tuple[World, 
 
     The result has the same friction, because a body without its own coefficient has the world's coefficient. A scene
     with a single coefficient also runs on engines that accept one coefficient only. The function changes nothing unless
-    the world's coefficient is the most frequent coefficient of the bricks.
+    the bricks' most frequent own coefficient (the first in a tie) is the world's coefficient.
     """
     counted = Counter(brick.friction for brick in bricks if brick.friction is not None)
     if not counted or counted.most_common(1)[0][0] != world.friction:

@@ -1,4 +1,4 @@
-"""Export a scene as MJCF, MuJoCo's file format."""
+"""Export of a scene as MJCF, MuJoCo's file format."""
 
 from __future__ import annotations
 
@@ -20,9 +20,10 @@ GROUND_SIZE = "0 0 1"
 def to_mjcf(scene: Scene) -> str:
     """Return a scene as the text of an MJCF file.
 
-    The file gives the mass and the moments of inertia of each brick. The file has no actions, and no bricks that the
-    scene removes or pulls out. A pair of bodies has the greater coefficient of friction in MuJoCo, but the geometric
-    mean of both coefficients in a scene. Therefore the file has a contact pair for each pair of unequal coefficients.
+    The file gives mass and moments of inertia of each brick except the moved bricks, which become mocap bodies. The
+    file has no restitution, no actions, and no bricks that the scene removes or pulls out. A pair of bodies has the
+    greater coefficient of friction in MuJoCo, but the geometric mean of both coefficients in a scene. Therefore the
+    file has a contact pair for each brick and other body with unequal coefficients.
     """
     root = ET.Element("mujoco", model=scene.variant)
     root.append(ET.Comment(f" {scene.expectation.outcome}: {scene.expectation.theory} ".replace("--", "- -")))
@@ -57,7 +58,7 @@ def _add_brick(world: ET.Element, assets: ET.Element, name: str, brick: Brick, s
 
 
 def _shape(name: str, brick: Brick, assets: ET.Element) -> dict[str, str]:
-    """Return the attributes of a brick's geometry; add the mesh of a polyhedron to ``assets``."""
+    """Return the attributes of a body's geometry, and add the mesh of a polyhedron to ``assets``."""
     x, y, z = (edge / 2 for edge in brick.size)
     if isinstance(brick.shape, Polyhedron):
         vertices = " ".join(_numbers(vertex) for vertex in brick.shape.vertices)
@@ -77,7 +78,7 @@ def _add_pairs(
     fixed: Sequence[tuple[str, Brick]],
     world: World,
 ) -> None:
-    """Add a contact pair with the geometric mean for each pair of unequal coefficients of friction."""
+    """Add a contact pair with the geometric mean for each brick and other body with unequal coefficients."""
     own = [(f"{name}_shape", friction_of(brick, world)) for name, brick in bricks]
     others = [("ground", world.friction), *((f"{name}_shape", friction_of(body, world)) for name, body in fixed)]
     pairs = [

@@ -1,4 +1,4 @@
-"""Make bricks and fixed bodies from the geometries of a compiled MuJoCo model."""
+"""Bricks and fixed bodies from the geometries of a compiled MuJoCo model."""
 
 from __future__ import annotations
 
@@ -61,13 +61,14 @@ def free_brick(model: Any, data: Any, body: int, name: str, geoms: Sequence[Geom
     """Return a free body as a brick.
 
     Raises:
-        ImportRefusedError: if the body has no geometry or several geometries, its shape is not convex, or its mass
-            properties do not fit its shape; the message names the body and the fix.
+        ImportRefusedError: if the body has no geometry or several geometries, a brick cannot have the geometry's
+            shape, or the mass properties do not fit the shape; the message names the body or geometry, and the fix.
+        ValueError: if a mesh's convex hull is too flat, or has more than ``polyhedra.MOST_VERTICES`` vertices.
     """
     if len(geoms) != 1:
         raise ImportRefusedError(
             f"body '{name}' has {len(geoms)} collision geometries, but a brick has one convex shape: give the body "
-            "one geometry, for example a mesh of their convex hull, and set contype and conaffinity of all other "
+            "one geometry, for example a mesh of the body's convex hull, and set contype and conaffinity of all other "
             "geometries to 0"
         )
     (geom,) = geoms
@@ -90,7 +91,7 @@ def free_brick(model: Any, data: Any, body: int, name: str, geoms: Sequence[Geom
     if np.abs(inertia - np.diag(moments)).max() > OFF_CENTER * moments.max():
         raise ImportRefusedError(
             f"the principal axes of inertia of body '{name}' differ from the axes of its shape: remove the body's "
-            "<inertial>"
+            "<inertial>, or give its visual geometries mass 0"
         )
     x, y, z = center.tolist()
     placed = replace(brick, position=(x, y, z), quaternion=quaternion_of(frame))
@@ -141,7 +142,12 @@ def _shape(model: Any, geom: Geom, mass: float) -> Brick:
 
 
 def fixed_bodies(model: Any, geom: Geom, notes: list[str]) -> list[Brick]:
-    """Return a geometry as a single fixed body, or as the convex parts of a mesh; add a note about the parts."""
+    """Return a geometry as a fixed body, or a mesh that is not convex as its convex parts, with a note in ``notes``.
+
+    Raises:
+        ImportRefusedError: if a fixed body cannot have the geometry's type, or CoACD, which splits meshes, is missing.
+        ValueError: if a convex hull is too flat, or has more than ``polyhedra.MOST_VERTICES`` vertices.
+    """
     if geom.kind == mujoco.mjtGeom.mjGEOM_MESH and not is_convex(*_mesh(model, geom.mesh)):
         parts = convex_parts(geom.name, *_mesh(model, geom.mesh))
         notes.append(f"mesh of '{geom.name}' is not convex: it became {len(parts)} convex fixed bodies")
@@ -152,9 +158,10 @@ def fixed_bodies(model: Any, geom: Geom, notes: list[str]) -> list[Brick]:
 
 
 def _hull(vertices: FloatArray, geom: Geom, mass: float) -> Brick:
-    """Return the convex hull of vertices in a geometry's frame.
+    """Return the convex hull of ``vertices`` (v, 3) [m], which are in a geometry's frame, as a brick.
 
-    The hull has the frame of the body, because MuJoCo turns the frame of a mesh, and may exchange the axes.
+    The function converts the vertices to the frame of the geometry's body, because MuJoCo turns the frame of a mesh,
+    and may exchange its axes.
     """
     in_world = geom.position + vertices @ geom.frame.T
     x, y, z = geom.body_position.tolist()

@@ -1,16 +1,20 @@
-"""Import MJCF and URDF through MuJoCo's own parser and compiler.
+"""Import of MJCF and URDF through MuJoCo's own parser and compiler.
 
 - A body with a free joint becomes a brick with the body's mass and inertia. In a URDF file, joints of the type
   "floating" are free, and the root link is free unless its name is "world".
 - A body without joints to the world becomes fixed bodies: a body for each collision geometry, or for each convex part
   of a mesh.
-- A horizontal plane becomes the ground. Without a plane the ground is z = 0, or the height of the lowest free body if
-  this body reaches below z = 0. The import shifts all bodies so that the ground is z = 0.
+- A level plane that faces up becomes the ground. Without a plane the ground is z = 0, or the height of the lowest
+  point of the free bodies if this point is below z = 0. The import shifts all bodies so that the ground is z = 0.
 - The import leaves out visual geometries (without contact bits), fixed bodies below the ground, cameras, lights,
   sensors and keyframes.
 
-A scene cannot hold other joints, actuators, tendons, constraints, soft bodies or a moving body of several parts. The
-message of ``ImportRefusedError`` names the element and the fix.
+A scene cannot hold
+
+- joints that are not free, actuators, tendons, equality constraints, contact pairs, flexes (soft bodies) and skins;
+- a moving body of several collision geometries.
+
+The message of ``ImportRefusedError`` names the element and the fix.
 """
 
 from __future__ import annotations
@@ -50,7 +54,8 @@ def read_mujoco_file(path: Path) -> Imported:
     """Return the content of an MJCF or URDF file.
 
     Raises:
-        ImportRefusedError: if MuJoCo cannot read the file, or a scene cannot hold one of its elements.
+        ImportRefusedError: if MuJoCo cannot read the file, or a scene cannot hold an element of the file.
+        ValueError: if a mesh's convex hull is too flat, or has more than ``polyhedra.MOST_VERTICES`` vertices.
     """
     try:
         spec = mujoco.MjSpec.from_file(str(path))
@@ -87,8 +92,8 @@ def _free_root(spec: Any, path: Path) -> None:
         parent = joint.find("parent")
         if parent is not None and parent.get("link") != "world":
             raise ImportRefusedError(
-                f"floating joint '{joint.get('name')}' has the parent link '{parent.get('link')}', but a free body has "
-                "no parent but the world: name the root link 'world', and make 'world' the parent of the joint"
+                f"floating joint '{joint.get('name')}' has the parent link '{parent.get('link')}', but a free body "
+                "must have the parent 'world': name the root link 'world', and make 'world' the parent of the joint"
             )
     children = {child.get("link") for child in tree.iterfind("joint/child")}
     links = {link.get("name") for link in tree.iterfind("link")}
@@ -108,7 +113,7 @@ def _refuse_elements(spec: Any) -> None:
             kind = str(joint.type).rpartition("mjJNT_")[2].partition(":")[0].lower()
             raise ImportRefusedError(
                 f"{kind} joint '{joint.name}' of body '{joint.parent.name}': a scene holds only free and fixed bodies; "
-                "use a freejoint, or remove the joint"
+                "use a freejoint, or remove the joint (in URDF, use the type floating or fixed)"
             )
 
 
@@ -123,7 +128,10 @@ def _content(model: Any, data: Any) -> Imported:
             bricks.append(free_brick(model, data, body, name, geoms))
             names.append(name)
     if not bricks:
-        raise ImportRefusedError("the file has no body with a free joint: give each body that may move a <freejoint/>")
+        raise ImportRefusedError(
+            "the file has no body with a free joint: give each body that may move a <freejoint/>, or in URDF a joint "
+            "of the type floating"
+        )
     bodies = [part for geom in fixed for part in fixed_bodies(model, geom, notes)]
     height = float(ground.position[2]) if ground is not None else min(0.0, _lowest(bricks))
     height = height if abs(height) > EXACT else 0.0
@@ -147,7 +155,10 @@ def _content(model: Any, data: Any) -> Imported:
 
 
 def _colliding(model: Any, root: int, notes: list[str]) -> list[int]:
-    """Return the indices of the geometries with contact bits, of a root body and all bodies welded to the root."""
+    """Return the indices of the geometries with contact bits of a root body and of all bodies welded to the root.
+
+    The function adds a note about the geometries without contact bits to ``notes``.
+    """
     found = [index for index in range(model.ngeom) if model.body_weldid[model.geom_bodyid[index]] == root]
     visual = [index for index in found if not (model.geom_contype[index] or model.geom_conaffinity[index])]
     if visual:
@@ -156,15 +167,20 @@ def _colliding(model: Any, root: int, notes: list[str]) -> list[int]:
 
 
 def _split_planes(geoms: Sequence[Geom]) -> tuple[Geom | None, list[Geom]]:
-    """Return the plane of the ground (None if the file has no plane) and all other geometries."""
+    """Return the first plane, or None without planes, and the geometries that are no planes.
+
+    Raises:
+        ImportRefusedError: if a plane is not level or faces down, or the planes have different heights.
+    """
     planes = [geom for geom in geoms if geom.kind == mujoco.mjtGeom.mjGEOM_PLANE]
     for plane in planes:
         if np.hypot(*plane.frame[:2, 2]) > LEVEL or plane.frame[2, 2] < 0:
             raise ImportRefusedError(
-                f"plane '{plane.name}' is not level: use a level plane and tilted gravity, or a fixed box"
+                f"plane '{plane.name}' is not level or faces down: use a level plane that faces up (with tilted "
+                "gravity for a slope), or a fixed box"
             )
     if len({round(float(plane.position[2]), 9) for plane in planes}) > 1:
-        raise ImportRefusedError(f"planes {[plane.name for plane in planes]} at several heights: keep one plane")
+        raise ImportRefusedError(f"planes {[plane.name for plane in planes]} have different heights: keep one plane")
     return (planes[0] if planes else None), [geom for geom in geoms if geom not in planes]
 
 

@@ -1,4 +1,4 @@
-"""Read a file of another simulator; the suffix gives the format."""
+"""Reader of files of other simulators; the suffix of a file gives its format."""
 
 from __future__ import annotations
 
@@ -15,11 +15,14 @@ SUFFIXES = (*MUJOCO, *USD, *SDF)
 
 
 def read_file(path: Path) -> Imported:
-    """Return the content of a file, with all bodies in exact contact.
+    """Return the content of a file, with each brick in exact contact with its support.
+
+    MuJoCo reads a file with an unknown suffix.
 
     Raises:
-        ImportRefusedError: if the file has an element that a scene cannot hold, or no reader for the file is installed;
-            the message names the fix.
+        ImportRefusedError: if no reader of the format is installed, the reader cannot read the file, or a scene cannot
+            hold the content; the message names the fix.
+        ValueError: if a mesh's convex hull is too flat, or has more than ``polyhedra.MOST_VERTICES`` vertices.
     """
     suffix = path.suffix.lower()
     if suffix in SDF:

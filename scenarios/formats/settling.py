@@ -1,4 +1,4 @@
-"""Remove slight overlaps and gaps of imported bricks, because files round poses and statics needs exact contacts.
+"""Removal of slight overlaps and gaps of imported bricks, because files round poses and statics needs exact contacts.
 
 The module takes the bricks from the lowest brick up, and moves each brick in two steps:
 
@@ -6,7 +6,7 @@ The module takes the bricks from the lowest brick up, and moves each brick in tw
    shifts the brick along the normal of the overlap.
 2. The brick sinks by at most ``GAP``, or rises by at most ``OVERLAP``, until it touches the body or the ground below.
 
-The module refuses a larger overlap or gap with an error that names both bodies. Each brick that moves by more than
+The error for a larger overlap or gap names both bodies. Each brick that moves by more than
 ``REPORTED`` gets a note.
 """
 
@@ -39,8 +39,11 @@ REPORTED = 1e-7
 def settled(imported: Imported) -> Imported:
     """Return the content with all bricks in exact contact, lowest brick first, and a note about each moved brick.
 
+    A brick that moves by at most ``REPORTED`` gets no note.
+
     Raises:
-        ImportRefusedError: if a brick overlaps another body by more than ``OVERLAP``, or floats by more than ``GAP``.
+        ImportRefusedError: if a brick overlaps another body or the ground by more than ``OVERLAP``, or floats by more
+            than ``GAP``; the message names both bodies and the fix.
     """
     there = [(f"fixed body {index}", body) for index, body in enumerate(imported.world.fixed)]
     order = np.argsort(height_above_ground(Boxes.of(imported.bricks)), kind="stable").tolist()

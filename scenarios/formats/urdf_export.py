@@ -1,6 +1,6 @@
-"""Export a scene as URDF, the unified robot description format.
+"""Export of a scene as URDF, the unified robot description format.
 
-The floating links are the bricks, and the fixed links are the fixed bodies.
+The floating links are the bricks. The fixed links are the fixed bodies and a box that stands for the ground.
 """
 
 from __future__ import annotations
@@ -25,11 +25,12 @@ GROUND: tuple[float, float, float] = (100.0, 100.0, 1.0)
 def to_urdf(scene: Scene) -> str:
     """Return a scene as the text of a URDF file.
 
-    The file has no gravity, no friction, no actions, and no bricks that the scene removes or pulls out.
+    The file has gravity and the world's friction in a comment only. The file has no restitution, no actions, and no
+    bricks that the scene removes or pulls out.
 
     Raises:
         ExportRefusedError: if a body is a capsule or a polyhedron, because URDF describes these shapes by mesh files
-            only.
+            only; the message names the body and the fix.
     """
     root = ET.Element("robot", name=scene.variant)
     root.append(ET.Comment(f" gravity {scene.world.gravity} m/s2, friction {scene.world.friction} for every pair "))

@@ -1,4 +1,4 @@
-"""Export a scene as OpenUSD with the physics schema: rigid bodies, colliders, masses, materials and gravity."""
+"""Export of a scene as OpenUSD with the physics schema: rigid bodies, colliders, masses, materials and gravity."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from scenarios.solids import friction_of, moments_of
 def to_usd(scene: Scene) -> str:
     """Return a scene as the text of a USDA file, in metres and kilograms with z up.
 
-    The file has no actions, and no bricks that the scene removes or pulls out. A pair of bodies has the arithmetic mean
-    of both coefficients of friction in the physics schema, but the geometric mean in a scene. Both means are equal if
-    both coefficients are equal.
+    The file has restitution 0, no actions, and no bricks that the scene removes or pulls out. A pair of bodies has the
+    arithmetic mean of both coefficients of friction in the physics schema, but the geometric mean in a scene. Both
+    means are equal if both coefficients are equal.
 
     Raises:
-        ExportRefusedError: if OpenUSD is missing.
+        ExportRefusedError: if OpenUSD is missing; the message gives the command that installs OpenUSD.
     """
     if not has_openusd():
         raise ExportRefusedError(MISSING)
@@ -79,7 +79,7 @@ class _Materials:
 
 
 def _add_body(stage: Any, path: str, body: Brick, world: World, materials: _Materials) -> Any:
-    """Add a body to the stage, as a transform with a collider; return the transform's prim."""
+    """Add a body to the stage as a transform with a collider, and return the transform's prim."""
     from pxr import Gf, UsdGeom, UsdPhysics
 
     transform = UsdGeom.Xform.Define(stage, path)

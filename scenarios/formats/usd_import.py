@@ -1,9 +1,9 @@
-"""Import OpenUSD with the physics schema through OpenUSD's own Python package.
+"""Import of OpenUSD with the physics schema through OpenUSD's own Python package.
 
 - A prim with RigidBodyAPI becomes a brick. The prim must have one collider: Cube, Sphere, Capsule, Cylinder or a convex
   Mesh.
-- A collider outside rigid bodies becomes a fixed body.
-- A Plane becomes the ground. The Plane's normal must be z, and all Planes must have one height.
+- A collider outside rigid bodies, except a Plane, becomes a fixed body.
+- A Plane outside rigid bodies becomes the ground. The Plane's normal must be z, and all Planes must have one height.
 - The import converts lengths by metersPerUnit and masses by kilogramsPerUnit. The up axis must be z.
 - The import leaves out visual prims, cameras and lights.
 - The import refuses joints: the error names the joint.
@@ -41,7 +41,8 @@ def read_usd(path: Path) -> Imported:
     """Return the content of a USD file.
 
     Raises:
-        ImportRefusedError: if OpenUSD is missing or cannot read the file, or a scene cannot hold a prim.
+        ImportRefusedError: if OpenUSD is missing or cannot read the file, or a scene cannot hold a prim or the stage.
+        ValueError: if a mesh's convex hull is too flat, or has more than ``polyhedra.MOST_VERTICES`` vertices.
     """
     if not has_openusd():
         raise ImportRefusedError(MISSING)
@@ -117,7 +118,7 @@ def _brick(body: Any, colliders: Sequence[Any], unit: float, mass_unit: float) -
     if len(colliders) != 1:
         raise ImportRefusedError(
             f"rigid body '{path}' has {len(colliders)} colliders, but a brick has one convex shape: give the "
-            "body one collider, or use a mesh of their convex hull"
+            "body one collider, for example a mesh of the body's convex hull"
         )
     shape = _shape(colliders[0], unit, 1.0)
     given = UsdPhysics.MassAPI(body)
@@ -133,7 +134,12 @@ def _brick(body: Any, colliders: Sequence[Any], unit: float, mass_unit: float) -
 
 
 def _shape(prim: Any, unit: float, mass: float) -> Brick:
-    """Return a brick with the shape and the pose of a collider."""
+    """Return a brick with the shape and the pose of a collider.
+
+    Raises:
+        ImportRefusedError: if a brick cannot have the collider's type, shape or scales.
+        ValueError: if a mesh's convex hull is too flat, or has more than ``polyhedra.MOST_VERTICES`` vertices.
+    """
     from pxr import UsdGeom
 
     frame, origin, scale = _transform(prim)
@@ -148,12 +154,14 @@ def _shape(prim: Any, unit: float, mass: float) -> Brick:
         counts, indices = mesh.GetFaceVertexCountsAttr().Get(), mesh.GetFaceVertexIndicesAttr().Get()
         if not is_convex(points, _triangles(counts, indices)):
             raise ImportRefusedError(
-                f"mesh '{prim.GetPath()}' is not convex: replace the mesh by its convex hull, or by convex parts"
+                f"mesh '{prim.GetPath()}' is not convex: replace the mesh by its convex hull, or a fixed mesh by "
+                "convex parts"
             )
         return polyhedron(points, position=(x, y, z), quaternion=quaternion_of(frame), mass=mass)
     if np.ptp(scale) > SKEW * scale.max():
         raise ImportRefusedError(
-            f"'{prim.GetPath()}' is a round shape with unequal scales {scale}: make the scales equal"
+            f"'{prim.GetPath()}' has unequal scales {scale}, but only a Cube or a Mesh may have unequal scales: make "
+            "the scales equal"
         )
     if prim.IsA(UsdGeom.Sphere):
         radius = float(UsdGeom.Sphere(prim).GetRadiusAttr().Get() * scale[0])
@@ -172,7 +180,11 @@ def _shape(prim: Any, unit: float, mass: float) -> Brick:
 
 
 def _transform(prim: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the frame (3, 3), the origin (3,) and the scales (3,) of a prim in the world, in the stage's units."""
+    """Return the frame (3, 3), the origin (3,) and the scales (3,) of a prim in the world, in the stage's units.
+
+    Raises:
+        ImportRefusedError: if the prim is skewed or mirrored.
+    """
     from pxr import Usd, UsdGeom
 
     matrix = np.array(UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(Usd.TimeCode.Default()))
@@ -181,7 +193,7 @@ def _transform(prim: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
     frame = (rows / scale[:, None]).T
     if np.abs(frame.T @ frame - np.eye(3)).max() > SKEW or np.linalg.det(frame) < 0:
         raise ImportRefusedError(
-            f"'{prim.GetPath()}' is skewed or mirrored: use rotations and scales along its own axes"
+            f"'{prim.GetPath()}' is skewed or mirrored: use rotations, and positive scales along its own axes"
         )
     return frame, matrix[3, :3], scale
 
@@ -206,7 +218,7 @@ def _triangles(counts: Sequence[int], indices: Sequence[int]) -> list[tuple[int,
 
 
 def _friction(prim: Any) -> float:
-    """Return the static friction of a collider's material, or the friction of the planks' wood without a material."""
+    """Return the static friction of a collider's physics material; ``MU`` without a physics material."""
     from pxr import UsdPhysics, UsdShade
 
     material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial("physics")

@@ -1,4 +1,4 @@
-"""Write a scene in the format of another simulator."""
+"""Text of a scene in the format of another simulator."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ def scene_text(scene: Scene, name: str) -> str:
     """Return a scene as the text of a file in the format ``name``, a key of ``FORMATS``.
 
     Raises:
-        ExportRefusedError: if the format cannot hold a body of the scene; the message names the body and the fix.
+        ExportRefusedError: if the format cannot hold a body of the scene, or OpenUSD is missing for ``usd``; the
+            message names the fix.
     """
     if name == "mjcf":
         from scenarios.formats.mjcf_export import to_mjcf

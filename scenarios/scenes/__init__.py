@@ -1,1 +1,1 @@
-"""The scenes, one file each; ``shared`` holds the code that several scenes use."""
+"""The scenes, each in its own file; ``shared`` contains the code that several scenes use."""

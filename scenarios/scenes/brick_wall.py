@@ -1,6 +1,6 @@
 """A wall in running bond: planks along x bridge the gaps of the course below; every other course ends in half planks.
 
-Theory: divide every joint (the contact area of two courses) into pieces of half a plank, and let one force act in the
+Theory: divide every joint (the contact area of two courses) into pieces of half a plank. Let one force act in the
 middle of each piece. A half plank has one support straight below its load. A whole plank has two supports at equal
 arms, and moments about its middle give both forces. All these forces are pressures, nearly equal along a course.
 Therefore the wall is in equilibrium at any height, without forces between the neighbours of a course.

@@ -1,4 +1,6 @@
-"""A beam on a pier, with a counterweight on the inner end and a load on the outer end. Then the scene removes a weight.
+"""A beam on a pier, with a counterweight on the inner end and a load on the outer end.
+
+The scene may remove the counterweight or the load after the placements.
 
 Theory: the beam has the mass m and the length L, the counterweight the mass 2 m, and the load the mass p. The moments
 about the pier's edge, over g, are
@@ -44,18 +46,21 @@ def cantilever(
     taken: Annotated[str, Choice("nothing", "load", "counterweight")] = "nothing",
     scale: Scale = 1.5,
 ) -> Plan:
-    """Build a beam beyond its pier, held by a counterweight, then remove the load or the counterweight.
+    """Build a beam beyond its pier, held by a counterweight, then optionally remove a weight.
 
     Args:
         margin: share by which the load is lighter than the limit; negative if the load is heavier.
         taken: brick that the scene removes two seconds after the load's placement: "nothing", "load" or
             "counterweight".
         scale: factor on all lengths, relative to the standard plank.
+
+    Raises:
+        ValueError: if ``taken`` is not "nothing" and ``margin`` is not positive.
     """
     if taken != "nothing" and margin <= 0:
         raise ValueError(
-            f"margin must be positive with taken = '{taken}', got {margin:g}, because with a negative margin the beam "
-            "falls before the removal: use a positive margin, or taken = 'nothing'"
+            f"margin must be positive with taken = '{taken}', got {margin:g}, because without a positive margin the "
+            "beam may fall before the removal: use a positive margin, or taken = 'nothing'"
         )
     length, width, thickness, mass = plank_of(scale)
     top, piece = PIER * thickness, (PIECE * length, width, thickness)

@@ -110,6 +110,9 @@ def card_house(
         friction: Coulomb coefficient of every pair.
         gap: distance between roof planks [mm], and least distance between the feet of two Vs; 0 lets roof planks touch.
         slenderness: length of a plank over its thickness.
+
+    Raises:
+        ValueError: if neighbouring Vs collide, because the planks lean too flat.
     """
     angle = math.radians(theta)
     return Plan(
@@ -136,13 +139,17 @@ def expected(theta: float, friction: float, slenderness: float = PLANK) -> Expec
 
 
 def _groups(storeys: int, card: Card, gap: float) -> list[Sequence[Brick]]:
-    """Return the groups of planks in order of placement: each V on the ground, then roofs and storeys in turn."""
+    """Return the groups of planks in order of placement: each V on the ground, then roofs and storeys in turn.
+
+    Raises:
+        ValueError: if neighbouring Vs collide, because the planks lean too flat.
+    """
     spacing = LENGTH - 2 * (card.edge + card.ridge_gap / 2 + OVERHANG)
     if storeys > 1 and spacing < 2 * (card.spread + card.edge) + gap:
         raise ValueError(
-            f"theta is too flat for more than one storey, got {math.degrees(card.theta):g} deg, because neighbouring "
-            "Vs collide before a roof plank reaches two ridges; use theta = 70 or more for planks, thinner planks by "
-            "slenderness = 88, or storeys = 1"
+            f"theta is too flat for more than one storey, got {math.degrees(card.theta):g} deg with a gap of "
+            f"{gap * 1e3:g} mm, because neighbouring Vs collide before a roof plank reaches two ridges: use a greater "
+            "theta, a smaller gap, a greater slenderness, or storeys = 1"
         )
     groups: list[Sequence[Brick]] = []
     for storey in range(storeys):

@@ -42,6 +42,9 @@ def corbelled_arch(*, courses: Annotated[int, Whole(2, 30)] = 5, margin: Margin 
             are larger than the limit with friction. Below about -1 / ``courses`` the sides would fall before the
             capstone's placement.
         scale: factor on all lengths, relative to the standard plank.
+
+    Raises:
+        ValueError: if the sides would fall before the capstone's placement.
     """
     length, width, thickness, _ = plank_of(scale)
     help_of_friction = 0.0 if margin > 0 else MU * thickness / length

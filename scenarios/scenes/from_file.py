@@ -1,6 +1,6 @@
 """A user's own scene, without code: a file of bricks, for which exact statics gives the expected outcome.
 
-``scenarios.formats`` reads MJCF, URDF and USD files, and places all their bodies at time 0. A TOML file has times:
+``scenarios.formats`` reads MJCF, URDF and USD files. Their bodies are in place from time 0. A TOML file has times:
 
     name = "mine"                      # optional, like all fields before the first brick
     friction = 0.45
@@ -34,11 +34,10 @@
     velocity = [0.1, 0.0]              # m/s
     seconds = 1.0
 
-Bricks must touch their support to within 0.2 mm, and must not overlap. The module shifts the bricks of one time along
-z, as one group, so that the group touches its support exactly. The module also finds the level of each brick. A brick
-on the ground has level 1. Every other brick is one level above the highest brick that it stands on or leans against.
-Bricks of one time that form several levels are a prebuilt stack. The scene places a prebuilt stack without a gap, and
-does not drop the stack from ``CLEARANCE``.
+In a TOML file, bricks must touch their support to within 0.2 mm, and must not overlap. The module shifts the bricks of
+one time along z, as one group, so that the group touches its support exactly. The module also finds the level of each
+brick (``own_content.levelled``). Bricks of one time that form several levels are a prebuilt stack. The scene places a
+prebuilt stack without a gap, and does not drop the stack from ``CLEARANCE``.
 
 Three parameters change the whole scene:
 
@@ -115,6 +114,9 @@ def own_scene(
         size: factor on all lengths, but not on masses. Above 1, the square root of ``size`` is the factor on all times.
         mass: factor on all masses.
         yaw: turn of the whole scene about the z axis [deg].
+
+    Raises:
+        ValueError: if the file cannot be read, or a scene cannot hold its content; the message names file and fix.
     """
     suffixes = (TOML, *SUFFIXES)
     if not isinstance(file, str) or Path(file).suffix.lower() not in suffixes:
@@ -139,7 +141,8 @@ def own_scene(
 def _scene(file: str, path: Path, text: str, digest: str, size: float, mass: float, yaw: float) -> Scene:
     """Return the scene of a file.
 
-    The scene's id includes the digest of the content, so that a changed file is another scene.
+    The scene's id includes the digest of the content, so that a changed file is another scene. The id of the default
+    file has no digest.
 
     Args:
         file: the path or name that the user gives.
@@ -171,7 +174,11 @@ def _scene(file: str, path: Path, text: str, digest: str, size: float, mass: flo
 
 
 def _imported(path: Path) -> OwnContent:
-    """Return the content of an MJCF, URDF or USD file, with all bodies in place at time 0."""
+    """Return the content of an MJCF, URDF or USD file, with all bodies in place at time 0.
+
+    Raises:
+        ValueError: if a scene cannot hold the content of the file; the message names the fix.
+    """
     imported = read_file(path)
     times = (0.0,) * len(imported.bricks)
     bricks = levelled(imported.bricks, times, imported.names, imported.world.fixed)

@@ -42,6 +42,9 @@ def heavy_top(
         ratio: mass of the topmost cube over the mass of every other cube.
         aside: offset of the topmost cube of a column from the middle, as a share of the cube's edge.
         rows: number of rows of the pyramid; 10 rows have 55 cubes.
+
+    Raises:
+        ValueError: if ``aside`` is not 0 for a pyramid.
     """
     if stack == "pyramid" and aside:
         raise ValueError(

@@ -57,6 +57,9 @@ def jenga(
         robbed: number of robbed levels: the second level, the fourth level, and so on.
         speed: speed of the pull [m/s]; 0 to remove planks at once.
         gap: distance between the planks of a level [mm]; at 0 their sides touch.
+
+    Raises:
+        ValueError: if the tower has too few levels for ``robbed``.
     """
     robbed = Whole(1, (levels - LOWEST + 1) // 2).check("robbed", robbed)
     robbed_levels = range(LOWEST, LOWEST + 2 * robbed, 2)

@@ -40,9 +40,12 @@ def leaning_drums(
     Args:
         shape: section of the drums, "cylinder" or "hexagon".
         drums: number of drums.
-        margin: share by which the step is smaller than the limit; negative if the step is larger. Below
-            -1 / (``drums`` - 1) the column would fall before the placement of its last drum.
+        margin: share by which the step is smaller than the limit; negative if the step is larger. At
+            -1 / (``drums`` - 1) or below, the column would fall before the placement of its last drum.
         scale: factor on all lengths.
+
+    Raises:
+        ValueError: if the column would fall before the placement of its last drum.
     """
     if margin <= -1 / (drums - 1):
         raise ValueError(

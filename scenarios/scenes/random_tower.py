@@ -59,7 +59,7 @@ def middles_of(draw: int) -> list[float]:
 def room(middles: Sequence[float]) -> float:
     """Return the least distance [m] of an upper part's centre of mass from the ends of the plank below.
 
-    The distance is negative if the centre lies beyond an end.
+    The distance is negative if the centre lies beyond an end, and infinite for a single plank.
     """
     least, total = math.inf, 0.0
     for above, middle in enumerate(reversed(middles)):

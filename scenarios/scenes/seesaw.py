@@ -1,12 +1,12 @@
-"""A tilted plank that lies on two fixed edges, and a heavy block on its lower half.
+"""A tilted plank that lies on two fixed edges, and a heavy block on the plank.
 
 Theory: moments about the lower edge decide. All distances are horizontal. The plank has the mass m, and its middle lies
 at the distance p from the lower edge, toward the upper edge. A block of mass M at the distance b on the opposite side
 tips the plank if M b > m p. Here the plank tips, because M b = 3.6 m p. A block between the edges presses on both
 edges. Then the stack stands, because tan(15 deg) = 0.27 is less than the coefficient of friction, 0.45.
 
-Look for: the block lies on the plank, although the block's centre is lower than the plank's centre. A rule that
-compares the heights of the centres concludes that the block carries the plank.
+Look for: beyond the lower edge the block's centre is lower than the plank's centre, although the block lies on the
+plank. A rule that compares the heights of the centres concludes that the block carries the plank.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ SUPPORT: tuple[float, float] = (0.02, 0.08)
 
 @scenario
 def seesaw(*, block: Annotated[str, Choice(*LIES_AT)] = "between") -> Plan:
-    """Build a tilted plank that lies on two fixed edges, and a heavy block on its lower half.
+    """Build a tilted plank that lies on two fixed edges, and a heavy block on the plank.
 
     Args:
         block: position of the block, "between" the two edges or "beyond" the lower edge.

@@ -1,4 +1,4 @@
-"""A stack that stands until the scene removes a load on top or a support below.
+"""A stack that stands. Then the scene removes a load on top, or a support below.
 
 Theory: exact statics of the remaining bricks (``scenarios.statics.truth``) gives the outcome. After the removal of a
 support, a brick lacks the support under one side of its centre of mass, or its leaning partner.
@@ -75,16 +75,19 @@ def robbed_stack(
     Args:
         stack: name of the stack, a key of ``STACKS``.
         taken: brick that the scene removes, "load" or "support".
-        gap: distance between neighbours of a level [mm], for stacks with neighbours; at 0 neighbours touch.
+        gap: distance between neighbours of a level [mm], for "four_stack" and "brick_wall"; at 0 neighbours touch.
         pause: time from the last placement to the removal [s]. An engine puts bricks to sleep after some seconds at
             rest.
+
+    Raises:
+        ValueError: if ``gap`` is not its default for a stack of fixed gap.
     """
     robbery = STACKS[stack]
     if gap != robbed_stack.defaults["gap"] and not robbery.has_gap:
         with_gap = ", ".join(name for name, one in STACKS.items() if one.has_gap)
         raise ValueError(
             f"parameter 'gap' applies only to the stacks {with_gap}, got gap = {gap:g} with stack = '{stack}', "
-            "which has no neighbours: leave out 'gap'"
+            "whose gap is fixed: leave out 'gap'"
         )
     plain = robbery.build(gap=gap) if robbery.has_gap else robbery.build()
     built = _raised(plain, max(0.0, GAP - gap * 1e-3)) if robbery.is_raised else plain

@@ -1,4 +1,4 @@
-"""A prebuilt stack on ground that tilts until a brick moves: gravity turns, at 0.1 deg/s near the exact angle.
+"""A prebuilt stack on ground that tilts beyond the stack's limit: gravity turns, at 0.1 deg/s near the limit.
 
 Theory, for planks of length L, width b and thickness t, with the coefficient of friction mu = 0.45 and leaning planks
 at theta = 72 deg:
@@ -71,7 +71,7 @@ def tilt_test(
     stack: Annotated[str, Choice("column", "v", "card_house")] = "column",
     heading: Annotated[str, Choice(*AXES)] = "along",
 ) -> Plan:
-    """Build a stack on ground that tilts until a brick moves.
+    """Build a stack on ground that tilts beyond the stack's limit.
 
     Args:
         stack: "column" of 10 planks, "v" of two planks, or "card_house" of three storeys.
@@ -101,7 +101,7 @@ def tilt_test(
 
 
 def tilted_bricks(stack: str) -> Sequence[Brick]:
-    """Return the bricks of a stack, with closed ridges."""
+    """Return the bricks of a stack "column", "v" or "card_house", with closed ridges."""
     if stack == "column":
         return [lay(0.0, level=level) for level in range(1, PLANKS + 1)]
     if stack == "v":

@@ -70,10 +70,9 @@ def voussoir_arch(
     Args:
         voussoirs: number of voussoirs.
         margin: share by which the thickness exceeds the least thickness; negative if the arch is thinner.
-        friction: Coulomb coefficient of every pair. From 0.25 up to, but not including, 0.4, the
-            scene has no known answer.
+        friction: Coulomb coefficient of every pair. From 0.25 to below 0.4 the scene has no known answer.
         scale: factor on all lengths; the mean radius is 0.3 m at scale 1. At scale 1 an engine's tolerances of 0.1 mm
-            can decide whether the arch stands, because they are a hundredth of the thickness that a joint can lose.
+            can decide the outcome, because they are a hundredth of the thickness that a joint can lose.
         thickness: thickness over the mean radius, in place of ``margin``; 0 for the thickness with this margin.
     """
     least = least_thickness(voussoirs)
@@ -172,7 +171,7 @@ def _stones(voussoirs: int, thickness: float, scale: float) -> tuple[Brick, ...]
 
 
 def _centring(voussoirs: int, thickness: float, scale: float) -> Brick:
-    """Return the centring: a polyhedron on the ground whose facets are the voussoirs' lower faces."""
+    """Return the centring: a polyhedron on the ground, with the voussoirs' lower faces as facets."""
     radius, depth = RADIUS * scale * (1 - thickness / 2), DEPTH * scale
     corners = [
         (radius * math.cos(angle), y, radius * math.sin(angle))

@@ -13,7 +13,7 @@ def judge(scene: Scene) -> Judgement:
     """Judge whether a scene stands, with margins and proof: see ``scene_judge``.
 
     Raises:
-        ValueError: if bricks overlap, or a number is out of range; the message names the brick.
+        ValueError: if bricks overlap, or a number is out of range; the message names the fault and the fix.
     """
     from scenarios.statics.scene_judge import judge_scene  # here, because most modules need only parts of statics
 

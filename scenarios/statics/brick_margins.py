@@ -96,7 +96,9 @@ class _Pile:
         ``BALANCED``."""
 
     def limit(self, load: FloatArray, most: float) -> _Limit:
-        """Return the greatest factor for which contact forces hold the weights plus the factor times ``load``.
+        """Return the greatest factor with which contact forces hold the weights plus the factor times ``load``.
+
+        The result also contains the bodies that move at this limit.
 
         Args:
             load: additional forces and moments, shape (6 n,).
@@ -125,13 +127,13 @@ def brick_margins(
 ) -> BrickMargins:
     """Return the margins of bodies at rest; see the module docstring for the equations.
 
-    The function solves a linear program for each brick, and at least one linear program for each direction of the tilt.
+    The function solves a linear program for each brick in equilibrium, and at least one for each direction of the tilt.
 
     Args:
         centers: centres of mass [m], shape (n, 3).
         weights: weight vectors [N], shape (n, 3), all in the direction of gravity.
         patches: contact patches.
-        friction: Coulomb coefficient of every pair.
+        friction: Coulomb coefficient of a pair with the friction ratio 1 (``Patch.friction_ratio``).
         length: length unit [m] of the moments: a typical edge.
     """
     stack = _Stack(np.asarray(centers, np.float64), np.asarray(weights, np.float64), patches, friction, length)

@@ -1,4 +1,4 @@
-"""Find the displacements, or the remaining accelerations, of bodies on compliant contacts under their weights.
+"""Displacements, or remaining accelerations, of bodies on compliant contacts under their weights.
 
     (1 / kappa) M u = w + J^T f(v),    v = J u     u: displacements, v: relative motion at the corners, M: masses
     f_n = k max(0, -v_n)                           k: stiffness of a corner, w: weights, kappa: time squared over two
@@ -124,7 +124,7 @@ class CompliantPile:
         return displacement
 
     def moved(self, start: FloatArray, kappa: float) -> FloatArray | None:
-        """Search for the displacements (6 n,) at ``kappa``; return None without convergence.
+        """Search for the displacements (6 n,) at ``kappa``, and return None without convergence.
 
         The search begins with the start of less imbalance: ``start``, which suits bodies at rest, or sqrt(10) times
         ``start``, which suits accelerating bodies.
@@ -162,7 +162,7 @@ class CompliantPile:
     def _newton(
         self, first: _Iterate, kappa: float, bounds: FloatArray | None = None, halvings: int = HALVINGS
     ) -> _Iterate:
-        """Search for the solution near ``first``; return the last iterate.
+        """Search for the solution near ``first``, and return the last iterate.
 
         Args:
             first: the first iterate, for the same ``kappa`` and ``bounds``.
@@ -187,7 +187,7 @@ class CompliantPile:
         return iterate
 
     def _step(self, iterate: _Iterate, kappa: float, *, are_fixed: bool) -> FloatArray | None:
-        """Return Newton's step; None if the matrix is singular.
+        """Return Newton's step (6 n,); None if the matrix is singular.
 
         With the ``pull`` q of a corner, its direction e = q / |q| and its friction bound b, -df/dv has the blocks
 
@@ -213,11 +213,11 @@ class CompliantPile:
         return step if np.isfinite(step).all() else None
 
     def _by_whole_steps(self, first: _Iterate, kappa: float) -> _Iterate:
-        """Search by whole steps from ``first``; return the last iterate."""
+        """Search by whole steps from ``first``, and return the last iterate."""
         return self._newton(first, kappa, halvings=0)
 
     def _by_fixed_bounds(self, first: _Iterate, kappa: float) -> _Iterate:
-        """Search by rounds of fixed friction bounds from ``first``; return the last iterate."""
+        """Search by rounds of fixed friction bounds from ``first``, and return the last iterate."""
         found = first
         for _ in range(ROUNDS):
             bounds = self._friction * found.forces[:, 0]
@@ -257,7 +257,7 @@ def stiffness_by_weight(corners: Corners) -> FloatArray:
     """Return the stiffness of each corner, in proportion to the reduced weight of its two bodies, shape (p,).
 
     The reduced weight of two bodies with weights a and b is 1 / (1 / a + 1 / b). With this stiffness all bodies sink by
-    the same amount under their own weights, so that a heavy body does not sink and press on its neighbours.
+    the same amount under their own weights. Therefore a heavy body does not press on its neighbours.
     """
     compliance = 1.0 / np.append(_masses(corners), np.inf)  # the last entry is for GROUND, -1
     stiffness: FloatArray = 1.0 / (compliance[corners.first] + compliance[corners.second])
@@ -273,7 +273,7 @@ def ball_gyration(centers: FloatArray, patches: Sequence[Patch], length: float) 
     """Return the inertia over the mass [m2] of bodies of unknown shape, shape (n, 3, 3).
 
     Each body counts as a ball. Its inertia over the mass is a third of the squared distance from the centre of mass to
-    the farthest corner of the body's contact patches.
+    the farthest corner of the body's contact patches. This distance counts as at least a thousandth of ``length`` [m].
     """
     reach = np.full(len(centers), 1e-3 * length)
     for patch in patches:

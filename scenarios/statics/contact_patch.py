@@ -164,7 +164,7 @@ def _on_ground(boxes: Boxes, thin: FloatArray, bricks: int, tolerance: Tolerance
 def touch(
     first: _Box, second: _Box, thin: float, ridge: Ridge, tolerance: Tolerance = PLANNED
 ) -> tuple[FloatArray, FloatArray] | None:
-    """Return the corners (k, 3) [m] and the normal (3,) of two boxes' patch; None if the boxes are apart.
+    """Return the corners (k, 3) [m] of two boxes' patch, and the normal (3,) from the first box; None if apart.
 
     Boxes that only graze count as apart: they touch only at the borders of their faces, and have no definite normal.
     Two boxes are apart exactly if one of fifteen directions separates them: six normals of faces, and nine cross
@@ -243,7 +243,7 @@ def _shared_with_face(box: _Box, axis: int, outward: FloatArray, other: _Box, to
 
 
 def _crossing_point(first: _Box, second: _Box, normal: FloatArray, tolerance: float) -> FloatArray | None:
-    """Return the point (3,) [m] where an edge of each box crosses; None if no edges cross."""
+    """Return the point (3,) [m] in which edges of both boxes cross; None if no edges cross."""
     start = first.corners[first.corners @ normal >= first.reach_along(normal) - tolerance]
     end = second.corners[-(second.corners @ normal) >= second.reach_along(-normal) - tolerance]
     if len(start) != 2 or len(end) != 2:
@@ -266,7 +266,7 @@ def _at_ridge(
     ridge: Ridge,
     tolerance: Tolerance,
 ) -> tuple[FloatArray, FloatArray] | None:
-    """Return the segment (2, 3) [m] in which two parallel edges meet, and the normal (3,); None without such edges.
+    """Return the segment (2, 3) [m] in which two parallel edges meet, and the normal (3,); None if no edges meet.
 
     Args:
         first: the box from which the normal points.

@@ -1,4 +1,4 @@
-"""Map forces at the corners of contact patches to forces and moments on bodies.
+"""The map from forces at the corners of contact patches to forces and moments on bodies.
 
 A unit force d at a corner acts on the second body as d, and on the first body as -d. The moment of the force about a
 body's centre of mass is the cross product of the arm and the force on the body. The arm is the vector from the centre

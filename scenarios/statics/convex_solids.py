@@ -60,7 +60,7 @@ class Solid:
 
     @cached_property
     def thinnest(self) -> float:
-        """Return the least width [m]: across faces, along a cylinder's axis, or across a ball."""
+        """Return the least width [m]: across faces, along or across a cylinder's axis, or across a ball."""
         if self.ball:
             return 2 * self.ball
         normals = self.axis[None] if self.disk else self.face_normals
@@ -134,17 +134,20 @@ def polyhedron(vertices: FloatArray) -> Solid:
 
 
 def sphere(center: FloatArray, radius: float) -> Solid:
-    """Return a sphere."""
+    """Return a sphere with the ``center`` (3,) [m] and the ``radius`` [m]."""
     return Solid(center[None], np.empty((0, 2), np.int64), np.empty((0, 3)), ball=radius)
 
 
 def capsule(center: FloatArray, axis: FloatArray, length: float, radius: float) -> Solid:
-    """Return a capsule along the unit vector ``axis``; the ``length`` [m] excludes both caps."""
+    """Return a capsule with the ``center`` (3,) [m], along the unit vector ``axis`` (3,).
+
+    The ``length`` [m] excludes both caps.
+    """
     ends = center + np.outer([-length / 2, length / 2], axis)
     return Solid(ends, np.array([[0, 1]]), np.empty((0, 3)), ball=radius)
 
 
 def cylinder(center: FloatArray, axis: FloatArray, length: float, radius: float) -> Solid:
-    """Return a cylinder of ``length`` [m] along the unit vector ``axis``."""
+    """Return a cylinder with the ``center`` (3,) [m] and the ``length`` [m], along the unit vector ``axis`` (3,)."""
     ends = center + np.outer([-length / 2, length / 2], axis)
     return Solid(ends, np.array([[0, 1]]), np.empty((0, 3)), disk=radius, axis=axis)

@@ -49,10 +49,12 @@ speeds."""
 
 
 def fall_time(bricks: Sequence[Brick], world: World) -> float:
-    """Return the time [s] until the first brick has toppled, slid or dropped, from rest in the planned poses.
+    """Return the time [s] until the first brick has toppled or slid, from rest in the planned poses.
+
+    If no brick topples or slides, the time is the time until the first brick has dropped.
 
     Raises:
-        ValueError: if no brick moves.
+        ValueError: if no brick moves, or bricks overlap.
     """
     mass = np.array([brick.mass for brick in bricks])
     gyration = gyration_of(bricks)
@@ -72,7 +74,7 @@ def _first_accelerations(bricks: Sequence[Brick], world: World, gyration: FloatA
     """Return the initial linear (n, 3) [m/s2] and angular (n, 3) [rad/s2] accelerations.
 
     Raises:
-        ValueError: if no brick moves.
+        ValueError: if no brick moves, or bricks overlap.
     """
     pile = pile_of_bricks(bricks, contact_patches(bricks, world.fixed), world)
     length, mass = pile.length, [brick.mass for brick in bricks]

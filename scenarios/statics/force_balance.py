@@ -1,4 +1,4 @@
-"""Decide whether contact forces can hold bodies at rest, by linear programs inside and around Coulomb's cone.
+"""Decision whether contact forces can hold bodies at rest, by linear programs inside and around Coulomb's cone.
 
 The unknowns are the forces at the patches' corners, each inside its Coulomb cone |f_t| <= mu f_n, with the coefficient
 of friction mu. The sum of weight and contact forces, and the sum of their moments, must vanish on every body. Two
@@ -114,7 +114,7 @@ class Solution:
 
 
 class Balance:
-    """The linear program in dimensionless quantities: see ``Corners``."""
+    """The elastic linear program of a stack, in the dimensionless quantities of ``Corners``."""
 
     def __init__(self, corners: Corners) -> None:
         self._corners = corners
@@ -160,7 +160,7 @@ class Balance:
 def solve_balance(
     centers: FloatArray, weights: FloatArray, patches: Sequence[Patch], friction: float, length: float
 ) -> Statics:
-    """Find contact forces that hold all bodies, or prove that no contact forces can hold them.
+    """Decide whether contact forces can hold all bodies at rest, with forces or a mechanism as proof.
 
     The verdict is ``stable`` only if the existence of forces suffices for rest. Forces of two kinds suffice: normal
     forces alone, or vertical forces at load-bearing contacts. If the bodies need other friction, forces may exist
@@ -203,7 +203,7 @@ def solve_balance(
 
 
 def _in_cones(corners: Corners, balance: Balance, friction: float | FloatArray) -> tuple[bool | None, Solution]:
-    """Return whether forces in the Coulomb cones balance the weights, None if undecided, and the proof."""
+    """Return whether forces in the Coulomb cones balance the weights, None if undecided, and the last solution."""
     angles = np.tile(np.arange(SIDES) * (2 * np.pi / SIDES), (len(corners.points), 1))
     outer = None
     for _ in range(ROUNDS):

@@ -1,4 +1,4 @@
-"""Load a stack from zero through compliant contacts, to find whether the forces that could hold the stack arise.
+"""Loading of a stack from zero through compliant contacts, to find whether forces that could hold the stack arise.
 
 Forces inside the Coulomb cones that balance all weights are necessary for rest, but not sufficient. With friction these
 forces may be a self-stress that nothing supplies. For example, a brick overhangs its table and touches a heavy
@@ -9,8 +9,9 @@ end moves up and away from the neighbour, no pressure arises, and the brick fall
 stack that the contacts hold comes to rest at displacements u. Otherwise a body keeps an acceleration a = u / kappa. The
 method raises kappa (time squared over two) from 1 by factors of sqrt(10):
 
-- the stack *stands* if a falls in proportion to 1 / kappa over two decades, at a sag below ``MOST_SAG``;
-- the stack *falls* if a stays the same over two decades, in which the same stack with bonded contacts comes to rest;
+- the stack *stands* if a falls in proportion to 1 / kappa over two decades, at a sag of at most ``MOST_SAG``;
+- the stack *falls* if a stays the same over two decades, in which the bonded stack comes to rest, or over the last two
+  decades;
 - otherwise, or without convergence, the stack is in *doubt*.
 
 The verdict must be the same for every tangential stiffness of ``RATIOS`` and for both distributions of stiffness,
@@ -126,7 +127,7 @@ def load_from_zero(
         centers: centres of mass [m], shape (n, 3).
         weights: weight vectors [N], shape (n, 3); masses are in proportion.
         patches: contact patches.
-        friction: Coulomb coefficient of every pair.
+        friction: Coulomb coefficient of a pair with the friction ratio 1 (``Patch.friction_ratio``).
         length: length unit [m] of the moments: a typical edge.
         gyration: inertia over mass [m2], shape (n, 3, 3); by default the result of ``ball_gyration``. The inertia does
             not change the verdict.
@@ -156,7 +157,11 @@ def _agreed(loadings: Iterator[Loading]) -> Loading:
 
 
 def load_pile(pile: CompliantPile, corners: Corners) -> Loading:
-    """Load a compliant pile: increase kappa from 1 until the accelerations give a verdict."""
+    """Load a compliant pile with kappa rising from 1, and return the verdict that its accelerations give.
+
+    Without a verdict up to the highest kappa, or after ``MOST_FAILURES`` kappas without a solution, the pile is in
+    doubt.
+    """
     displacement = np.zeros(6 * corners.bodies)
     accelerations: dict[int, float] = {}
     failures = 0
@@ -195,7 +200,7 @@ def _is_at_rest_bonded(pile: CompliantPile, kappa: float) -> bool:
 
 
 def _sag(corners: Corners, motion: FloatArray, bonded: FloatArray) -> float:
-    """Return the greatest sag of all bodies; infinite if a body has no corner that moves.
+    """Return the greatest sag of all bodies; infinite if a body has no corner that moves with bonded contacts.
 
     Args:
         corners: corners of the contact patches.

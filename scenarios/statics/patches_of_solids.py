@@ -40,7 +40,10 @@ def patches_of_solids(
     ridge: Ridge = "bisector",
     tolerance: Tolerance = PLANNED,
 ) -> list[Patch]:
-    """Return all patches of bricks of any shape; see ``contact_patch.contact_patches``."""
+    """Return all patches of bricks of any shape.
+
+    ``contact_patch.contact_patches`` describes the arguments and the errors.
+    """
     solids = [solid_of(brick) for brick in (*bricks, *walls)]
     patches = [
         patch
@@ -85,7 +88,11 @@ def _near_pairs(solids: Sequence[Solid], share: float) -> Iterator[tuple[int, in
 
 
 def _on_ground(index: int, solid: Solid, tolerance: Tolerance) -> Patch | None:
-    """Return the patch of a solid on the ground z = 0; None if the solid is above the ground."""
+    """Return the patch of a solid on the ground z = 0; None if the solid is above the ground.
+
+    Raises:
+        ValueError: if the solid overlaps the ground.
+    """
     height = float(solid.bounds[0, 2])
     gap = tolerance.touch * solid.thinnest
     if height > gap:

@@ -3,8 +3,8 @@
 The verdict follows from exact statics (``truth``) of every state of the scene, under both conventions for the normal at
 a ridge. For a scene that stands, the module also computes the margins of the last state:
 
-- load: the greatest additional force along gravity at the centre of mass of the weakest brick (``brick_margins``);
-- tilt: the greatest turn of gravity, in the weakest of eight directions;
+- load: the greatest additional force along gravity at the centre of mass of each brick (``brick_margins``);
+- tilt: the greatest turn of gravity that each brick withstands, in the weakest of eight directions;
 - friction: the least coefficient of friction for which forces exist.
 
 A margin is a statement about equilibrium. A stack that needs prestress may fall before its margin.
@@ -84,7 +84,7 @@ def judge_scene(scene: Scene) -> Judgement:
     """Judge whether a scene stands.
 
     Raises:
-        ValueError: if bricks overlap, or a number is out of range; the message names the brick.
+        ValueError: if bricks overlap, or a number is out of range; the message names the fault and the fix.
     """
     check_pile(scene.bricks, scene.world.fixed, scene.world)
     conventions = _conventions(scene)
@@ -128,7 +128,7 @@ def _pile(scene: Scene, state: State, patches: Sequence[Patch]) -> Pile:
 
 
 def _margins(piles: Sequence[Pile]) -> SceneMargins:
-    """Return the least margins over the conventions for ridges."""
+    """Return the margins over the conventions for ridges: least loads and tilts, and the greatest friction."""
     margins = [brick_margins(*pile) for pile in piles]
     return SceneMargins(
         np.min([one.load_n for one in margins], axis=0),

@@ -1,4 +1,4 @@
-"""Apply two criteria to a stack. A pair of scenes enters the study ``truth`` only if both criteria agree.
+"""Two criteria on a stack. A pair of scenes enters the study ``truth`` only if both criteria agree.
 
 The first criterion is loading from zero (``loading``). If a stack comes to rest in this loading, the judge (``truth``)
 must call the stack stable. The first applicable criterion of this list must confirm the verdict:
@@ -55,12 +55,15 @@ class Agreement:
 
 
 def agreed_verdict(bricks: Sequence[Brick], world: World, *, ridge: Ridge = "bisector") -> Agreement:
-    """Return the verdict of loading and a second criterion on bricks in their planned poses; doubt if the two disagree.
+    """Return the common verdict of loading and a second criterion on bricks in their planned poses; else doubt.
 
     Args:
         bricks: at least one brick; bricks may touch, but must not overlap.
         world: friction, gravity and fixed bodies.
         ridge: the normal where two parallel edges meet (see ``contact_patch``).
+
+    Raises:
+        ValueError: if bricks overlap.
     """
     pile = pile_of_bricks(bricks, contact_patches(bricks, world.fixed, ridge=ridge), world)
     gyration = gyration_of(bricks)

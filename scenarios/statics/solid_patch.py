@@ -52,7 +52,7 @@ class OverlapError(ValueError):
 def solids_touch(
     first: Solid, second: Solid, *, gap: float, ridge_gap: float, parallel: float, is_bisector: bool = True
 ) -> tuple[FloatArray, FloatArray] | None:
-    """Return the corners (k, 3) [m] and the normal (3,) of two solids' patch; None if the solids are apart.
+    """Return the corners (k, 3) [m] and the normal (3,) of two solids' patch; None if the solids are apart or graze.
 
     Args:
         first: the solid from which the normal points.
@@ -136,7 +136,10 @@ def _across_edges(first: Solid, second: Solid, parallel: float) -> FloatArray:
 
 
 def _from_round_surfaces(first: Solid, second: Solid) -> FloatArray:
-    """Return the unit vectors (k, 3) between nearest points of both cores, for round surfaces."""
+    """Return unit vectors (k, 3) from vertices or lines of edges of a core to vertices of the other core.
+
+    The result contains only the vectors that may be normals of a round surface.
+    """
     normals = []
     if first.ball or second.ball:
         between = (second.core[None] - first.core[:, None]).reshape(-1, 3)
@@ -190,7 +193,7 @@ def _shared(first: Solid, second: Solid, normal: FloatArray, gap: float, surface
 def _meeting_edges(
     first: Solid, second: Solid, faces: FloatArray, ridge_gap: float, parallel: float, is_bisector: bool
 ) -> tuple[FloatArray, FloatArray] | None:
-    """Return the segment (2, 3) [m] in which two parallel edges meet, and the normal (3,); None without such edges.
+    """Return the segment (2, 3) [m] in which two parallel edges meet, and the normal (3,); None if no edges meet.
 
     Args:
         first: the solid from which the normal points.

@@ -15,9 +15,9 @@ The first applicable criterion decides:
    doubt.
 6. All other cases: stable.
 
-Therefore a pile that must fall may be in doubt instead of unstable, but no pile that needs prestress is stable. If
-``LESS_FRICTION`` times the friction allows no forces at all, criterion 5 does not apply, so that the limits of a V and
-of an arch are sharp.
+Therefore a pile that must fall may be in doubt instead of unstable, but no pile that needs prestress is stable.
+Criterion 5 does not apply if ``LESS_FRICTION`` times the friction allows no forces at all. Therefore the limits of a V
+and of an arch are sharp.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def equilibrium(
         ridge: the normal where two parallel edges meet (see ``contact_patch``).
 
     Raises:
-        ValueError: if ``bricks`` is empty, gravity is zero, a number is out of range or not finite, or bricks overlap.
+        ValueError: if ``bricks`` is empty, gravity is zero, a number is out of range or not finite, or bodies overlap.
     """
     walls = [*world.fixed, *walls]
     check_pile(bricks, walls, world)
@@ -92,7 +92,8 @@ def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
     Raises:
         UndecidedError: if a state of the scene is in doubt.
         ValueError: if the scene pushes, pulls, presses, drives or tilts bricks, because statics has no answer for these
-            actions; or if the planned poses of two bricks overlap, even if the two bricks are never in place together.
+            actions; if a number is out of range; or if the planned poses of two bricks overlap, even if the two bricks
+            are never in place together.
     """
     check_pile(scene.bricks, scene.world.fixed, scene.world)
     patches = contact_patches(scene.bricks, scene.world.fixed, ridge=ridge)
@@ -124,7 +125,7 @@ def judge(
         centers: centres of mass [m], shape (n, 3).
         weights: weight vectors [N], shape (n, 3); masses are in proportion.
         patches: contact patches.
-        friction: Coulomb coefficient of every pair.
+        friction: Coulomb coefficient of a pair with the friction ratio 1 (``Patch.friction_ratio``).
         length: length unit [m] of the moments: a typical edge.
         gyration: inertia over mass [m2], shape (n, 3, 3); by default the result of ``ball_gyration``.
         loading: the result of ``load_from_zero`` for the same arguments; by default the function computes this result
@@ -155,8 +156,8 @@ def check_pile(bricks: Sequence[Brick], walls: Sequence[Brick], world: World) ->
     for index, brick in enumerate([*bricks, *walls]):
         if not np.isfinite([*brick.size, brick.mass, *brick.position, *brick.quaternion]).all():
             raise ValueError(
-                f"brick {index} must have finite numbers only, got {brick}: check for NaN (the numbers of walls follow "
-                "the numbers of bricks)"
+                f"brick {index} must have finite numbers only, got {brick}: replace NaN and inf (the numbers of walls "
+                "follow the numbers of bricks)"
             )
         if min(*brick.size, brick.mass) <= 0:
             raise ValueError(

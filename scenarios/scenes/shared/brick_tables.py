@@ -1,6 +1,6 @@
-"""Read bricks and fixed bodies from the tables of a TOML file.
+"""Reader of bricks and fixed bodies in the tables of a TOML file.
 
-Error messages name table, field and allowed values.
+Error messages name the field, with its table, and the fix.
 """
 
 from __future__ import annotations
@@ -43,14 +43,14 @@ def read_tables(content: Mapping[str, Any], name: str, *, least: int, most: int)
     """Return the tables ``[[name]]`` of a file.
 
     Raises:
-        ValueError: if the file has fewer than ``least`` or more than ``most`` of these tables.
+        ValueError: if ``name`` is no list of tables, or has fewer than ``least`` or more than ``most`` tables.
     """
     tables = content.get(name, [])
     is_list = isinstance(tables, list) and all(isinstance(table, dict) for table in tables)
     if not is_list or not least <= len(tables) <= most:
         raise ValueError(
             f"the file must contain {least} to {most} tables [[{name}]], got "
-            f"{len(tables) if is_list else repr(tables)}: add or remove tables"
+            f"{len(tables) if is_list else repr(tables)}: add or remove tables, each with the header [[{name}]]"
         )
     return list(tables)
 
@@ -70,7 +70,7 @@ def read_numbers(name: str, value: object, count: int, least: float, most: float
     """Return the list of ``count`` numbers from ``least`` to ``most`` in the required field ``name``.
 
     Raises:
-        ValueError: if ``value`` is None (the field is missing), or no list of ``count`` such numbers.
+        ValueError: if ``value`` is None (the field is missing), or no list of ``count`` numbers in this range.
     """
     wanted = f"a list of {count} numbers from {least:g} to {most:g}"
     if value is None:
@@ -81,7 +81,12 @@ def read_numbers(name: str, value: object, count: int, least: float, most: float
 
 
 def read_brick(name: str, table: Mapping[str, Any]) -> Brick:
-    """Return the brick of the table ``name``."""
+    """Return the brick of the table ``name``.
+
+    Raises:
+        ValueError: if a field is missing or out of range, or two fields exclude each other; the message names the fix.
+        UnknownNameError: if a field does not exist.
+    """
     brick = _solid(name, table, FIELDS)
     if "density" not in table:
         return replace(brick, mass=read_number(f"{name}.mass", table.get("mass"), 1e-6, _HEAVIEST))
@@ -92,7 +97,7 @@ def read_brick(name: str, table: Mapping[str, Any]) -> Brick:
 
 
 def read_fixed_body(name: str, table: Mapping[str, Any]) -> Brick:
-    """Return the fixed body of the table ``name``, with a mass of 1 kg."""
+    """Return the fixed body of the table ``name``, with a mass of 1 kg; ``read_brick`` describes the errors."""
     return _solid(name, table, FIXED_FIELDS)
 
 
@@ -149,8 +154,8 @@ def _turn(name: str, table: Mapping[str, Any]) -> Quaternion:
         w, i, j, k = read_numbers(f"{name}.quaternion", table["quaternion"], 4, -1.0)
         if abs(math.hypot(w, i, j, k) - 1) > _UNIT:
             raise ValueError(
-                f"{name}.quaternion must be of unit length, got {math.hypot(w, i, j, k):g}: divide the "
-                "quaternion by its length"
+                f"{name}.quaternion must be of unit length, got {math.hypot(w, i, j, k):g}: correct "
+                "the quaternion, or divide the quaternion by its length"
             )
         return w, i, j, k
     half = math.radians(read_number(f"{name}.yaw", table.get("yaw", 0.0), -360, 360)) / 2

@@ -19,7 +19,7 @@ WATCH_S = 5.0
 
 @dataclass(frozen=True, slots=True)
 class OwnContent:
-    """The content of a file."""
+    """The content of a user's own scene."""
 
     world: World
     bricks: tuple[Brick, ...]
@@ -36,7 +36,10 @@ class OwnContent:
 
 
 def set_down(bricks: Sequence[Brick], times: Sequence[float], fixed: Sequence[Brick]) -> list[Brick]:
-    """Return the bricks, with each group shifted along z by at most ``SNAP`` onto the bodies below."""
+    """Return the bricks, with each group of one time shifted along z by at most ``SNAP`` onto the bodies below.
+
+    A group with a larger gap or overlap keeps its place.
+    """
     settled: list[Brick] = []
     for _, group in groupby(range(len(bricks)), key=times.__getitem__):
         coming = [bricks[index] for index in group]
@@ -62,8 +65,8 @@ def levelled(
 ) -> tuple[Brick, ...]:
     """Return the bricks, in the order of placement, with their levels.
 
-    A brick on the ground or on a fixed body has level 1. Every other brick is one level above the highest brick that it
-    touches at its placement.
+    Ground and fixed bodies have level 0. A brick is one level above the highest body that it touches at its placement.
+    Bricks of one time get their levels one after another, from the support up.
 
     Raises:
         ValueError: if two bricks overlap, or a brick touches nothing at its placement; the message names the brick and

@@ -75,15 +75,15 @@ def at_once_below(scene: Scene) -> Scene:
     """Return the prebuilt variant of the levels below the level at which a scene must fall.
 
     Raises:
-        ValueError: as ``at_once``; or if the scene falls at no level, or at the first level.
+        ValueError: as ``at_once``; or if the scene does not fall during its placements, or falls at the first level.
     """
     _check(scene)
     scene = closed(scene)
     level = _level_of_fall(scene)
     if level is None or level == 1:
         raise ValueError(
-            f"built = 'at_once_below' needs a scene that falls above level 1, but {scene.variant} does not: use "
-            "built = 'at_once'"
+            f"built = 'at_once_below' needs a scene that falls above level 1 during its placements, but "
+            f"{scene.variant} does not: use built = 'at_once'"
         )
     bricks = tuple(brick for brick in scene.bricks if brick.level < level)
     return _robbed(replace(_merged(scene, AT_ONCE_BELOW), actions=(Place(0.0, bricks, 0.0),)))
@@ -138,7 +138,7 @@ def _level_of_fall(scene: Scene) -> int | None:
 
 
 def _merged(scene: Scene, built: str) -> Scene:
-    """Return the scene with all bricks placed at time 0, without a gap."""
+    """Return the scene with all bricks placed at time 0, without a gap, and with its removals."""
     last = max(action.time for action in scene.actions if isinstance(action, Place))
     removals = [Remove(a.time - last, a.brick) for a in scene.actions if isinstance(a, Remove)]
     expectation = scene.expectation
@@ -194,7 +194,7 @@ def _robbed(scene: Scene) -> Scene:
 
 
 def _load_bearing(scene: Scene) -> int | None:
-    """Return the index of the first brick, level by level, whose loss makes bricks fall visibly; None if none does."""
+    """Return the index of the first brick, level by level, whose loss makes bricks fall visibly; else None."""
     gone = _removed(scene)
     bisector, face = (contact_patches(scene.bricks, scene.world.fixed, ridge=ridge) for ridge in RIDGES)
     conventions = [bisector] if _are_equal(bisector, face) else [bisector, face]
@@ -210,7 +210,7 @@ def _load_bearing(scene: Scene) -> int | None:
 def _seen_without(
     index: int, gone: set[int], bricks: Sequence[Brick], patches: Sequence[Patch], height: float
 ) -> list[int]:
-    """Return the indices of the bricks on the brick ``index`` whose fall without this brick would be visible."""
+    """Return the indices of the bricks that touch the brick ``index``, and whose fall without it would be visible."""
     present = [patch for patch in patches if not gone & {patch.first, patch.second}]
     touching = {*(p.second for p in present if p.first == index), *(p.first for p in present if p.second == index)}
     rest = [patch for patch in present if index not in (patch.first, patch.second)]

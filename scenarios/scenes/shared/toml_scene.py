@@ -1,4 +1,4 @@
-"""Read a user's own scene from a TOML file: see ``scenarios.scenes.from_file`` for the fields."""
+"""Reader of a user's own scene in a TOML file: see ``scenarios.scenes.from_file`` for the fields."""
 
 from __future__ import annotations
 
@@ -42,7 +42,8 @@ def read_toml(text: str) -> OwnContent:
     """Return the content of a TOML file.
 
     Raises:
-        ValueError: if a field is missing or out of range, bricks overlap, or a brick floats; the message names the fix.
+        ValueError: if the text is not valid TOML, a field is missing or out of range, bricks overlap, or a brick
+            floats; the message names the fix.
         UnknownNameError: if a field does not exist.
     """
     try:
@@ -107,7 +108,7 @@ def _pulls(content: Mapping[str, Any], laid: _Laid) -> Iterator[Pull]:
 
 
 def _handled(name: str, table: Mapping[str, Any], fields: Sequence[str], laid: _Laid) -> tuple[float, int]:
-    """Return the time [s] of an action, and the index of its brick in the order of placement."""
+    """Return the time [s] of an action, and the index of its brick in the order of placement, from 0."""
     for field in table:
         look_up(f"field of {name}", field, dict.fromkeys(("brick", "time", *fields)))
     number = read_number(f"{name}.brick", table.get("brick"), 0, len(laid) - 1)

@@ -36,7 +36,7 @@ def resized(scene: Scene, size: object) -> Scene:
     """Return a scene of statics with all lengths times ``size``.
 
     Raises:
-        ValueError: if the scene is dynamic, or ``size`` is out of range.
+        ValueError: if ``size`` is out of range, or not 1 for a dynamic scene.
     """
     factor = SIZE.check("size", size)
     if factor == 1.0:

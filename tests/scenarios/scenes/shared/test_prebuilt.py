@@ -169,7 +169,7 @@ def test_placement_noise_moves_the_whole():
             "has no known answer .*the ridge's contact normal",
         ),
         ("jenga", {"speed": 0.1, "built": "at_once"}, "jenga-speed0.1 also pours or moves bricks"),
-        ("plank_tower", {"built": "at_once_below"}, "needs a scene that falls above level 1, but plank_tower does not"),
+        ("plank_tower", {"built": "at_once_below"}, "falls above level 1 .*, but plank_tower does not"),
         ("groove", {"margin": -0.35, "built": "at_once_below"}, "needs a scene that falls above level 1"),
         ("groove", {"built": "at_once"}, "groove-builtat_once has no brick of this kind"),
     ],
