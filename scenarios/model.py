@@ -121,6 +121,8 @@ class Pull:
     """Velocity in x and y [m/s]."""
     seconds: float
     """Duration [s]."""
+    is_carried: bool = False
+    """True if the manipulator also carries the brick's weight, as a hand does, so that the brick does not tip."""
 
     @property
     def until(self) -> float:

@@ -84,7 +84,11 @@ class Manipulator:
                 self._listener.release((body,))
 
     def pull(self, body: int, action: Pull) -> None:
-        """Start to pull a body with the velocity of ``action``."""
+        """Start to pull a body with the velocity of ``action``, and to carry its weight if the action says so."""
+        if action.is_carried:
+            weight = self._simulation.bricks[body].mass * np.array(self._simulation.world.gravity)
+            x, y, z = (-weight).tolist()
+            self._simulation.apply_force(body, (x, y, z))
         wanted = np.array(action.velocity)
         self.pulls[body] = _Pulling(action.until, wanted, wanted, self._place(body))
 

@@ -216,7 +216,8 @@ def _transformed(action: Remove | Push | Pull, size: float, mass: float, yaw: fl
         return Push(action.time * pace, action.brick, (cos * x - sin * y, sin * x + cos * y, z))
     if isinstance(action, Pull):
         x, y = (factor * part for part in action.velocity)
-        return Pull(action.time * pace, action.brick, (cos * x - sin * y, sin * x + cos * y), action.seconds * pace)
+        velocity, seconds = (cos * x - sin * y, sin * x + cos * y), action.seconds * pace
+        return replace(action, time=action.time * pace, velocity=velocity, seconds=seconds)
     return replace(action, time=action.time * pace)
 
 

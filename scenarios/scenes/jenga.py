@@ -13,7 +13,9 @@ tower's middle.
 The scene removes planks at once, or pulls planks out slowly along their length. A pulled plank drags the tower with mu
 times the load on this plank (mu: coefficient of friction). The remaining planks of the level hold the tower with mu
 times their loads. Their loads are larger in both cases. Of three planks the pulled plank bears a third of the load. Of
-two planks the pulled side plank bears at most 11.7 / 25.4 of the middle plank's load.
+two planks the pulled side plank bears at most 11.7 / 25.4 of the middle plank's load. The hand also carries the pulled
+plank's weight. Otherwise the plank tips as soon as its centre has left the tower, and its inner end lifts the part
+above: with 15 mm inside, by three times its weight.
 
 Look for: a tower that falls after the last removal should turn over about the remaining plank, in one piece.
 """
@@ -92,7 +94,7 @@ def _taken(plank: int, level: int, time: float, speed: float) -> Action:
     """Return the action that removes or pulls out a plank, given by its index in the order of placement."""
     if not speed:
         return Remove(time, plank)
-    return Pull(time, plank, (speed, 0.0) if level % 2 else (0.0, speed), WAY / speed)
+    return Pull(time, plank, (speed, 0.0) if level % 2 else (0.0, speed), WAY / speed, is_carried=True)
 
 
 def _layers(levels: int, robbed: Container[int], gap: float) -> Iterator[list[Brick]]:

@@ -102,9 +102,13 @@ def _pushes(content: Mapping[str, Any], laid: _Laid) -> Iterator[Push]:
 
 def _pulls(content: Mapping[str, Any], laid: _Laid) -> Iterator[Pull]:
     for n, table in enumerate(read_tables(content, "pull", least=0, most=MOST_ACTIONS)):
-        time, brick = _handled(f"pull[{n}]", table, ("velocity", "seconds"), laid)
+        time, brick = _handled(f"pull[{n}]", table, ("velocity", "seconds", "carried"), laid)
         x, y = read_numbers(f"pull[{n}].velocity", table.get("velocity"), 2, -FASTEST, FASTEST)
-        yield Pull(time, brick, (x, y), read_number(f"pull[{n}].seconds", table.get("seconds"), 1e-3, LARGEST))
+        seconds = read_number(f"pull[{n}].seconds", table.get("seconds"), 1e-3, LARGEST)
+        is_carried = table.get("carried", False)
+        if not isinstance(is_carried, bool):
+            raise ValueError(f"pull[{n}].carried must be true or false, without quotes, got {is_carried!r}")
+        yield Pull(time, brick, (x, y), seconds, is_carried)
 
 
 def _handled(name: str, table: Mapping[str, Any], fields: Sequence[str], laid: _Laid) -> tuple[float, int]:

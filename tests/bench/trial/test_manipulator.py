@@ -9,7 +9,7 @@ import pytest
 from bench.trial.builder import HOLD_S, Builder
 from bench.trial.playback import Playback
 from scenarios.model import CLEARANCE, Drive, Expectation, Place, Press, Pull, Push, Scene, Tilt, World
-from scenarios.planks import THICKNESS, lay
+from scenarios.planks import LENGTH, THICKNESS, WIDTH, lay
 from scenarios.registry import build
 
 FRAME_S = 1 / 60
@@ -89,6 +89,32 @@ def test_a_pull_overcomes_friction_and_keeps_its_speed() -> None:
         simulation.step(FRAME_S)
         at.append(float(simulation.poses()[1][0, 0]))
     assert (at[-1] - at[89]) / (29 * FRAME_S) == pytest.approx(0.2, rel=0.2)
+
+
+@pytest.mark.parametrize(("is_carried", "least", "most"), [(True, 0.0, 0.5), (False, 5.0, 90.0)])
+def test_a_plank_drawn_out_of_a_tower_tips_unless_the_hand_carries_its_weight(is_carried, least, most) -> None:
+    """Its centre leaves the tower 37 mm from the middle; with 10 mm inside it lifts what lies on it by 4.8 weights.
+
+    The part above weighs three planks and gives way to 1.5 at its edge, so that the plank tips by degrees.
+    """
+    pytest.importorskip("pybullet")
+    from adapters import open_engine
+
+    scene = build("jenga", levels=3, speed=0.1)
+    first = next(action for action in scene.actions if isinstance(action, Pull))
+    scene = scene_of(*scene.actions[:3], replace(first, is_carried=is_carried))
+    simulation = open_engine("bullet", "tuned", world=scene.world, sleeping="off", expected=scene.bricks)
+    builder, frame, tilts = Builder(scene, simulation), 0, [0.0]
+    while not builder.is_done:
+        builder.act(frame * FRAME_S)
+        simulation.step(FRAME_S)
+        frame += 1
+        bodies, position, quaternion = simulation.poses()
+        if first.brick in bodies and position[first.brick, 1] < (LENGTH + 3 * WIDTH) / 2 - 0.01:
+            _, x, y, _ = quaternion[first.brick]
+            tilts.append(math.degrees(2 * math.asin(math.hypot(x, y))))
+    simulation.close()
+    assert least <= max(tilts) <= most
 
 
 @pytest.mark.parametrize(("slide", "end"), [(4.0, "completed"), (20.0, "collapsed")])

@@ -300,16 +300,26 @@ def test_a_file_pushes_and_pulls(write):
     file = write(*tables, head=head)
     with Path(file).open("a", encoding="utf-8") as stream:
         stream.write("\n".join(["", table("push", {"brick": 0, "time": 3.0, "impulse": [0.01, 0.0, 0.0]})]))
-        stream.write("\n".join(["", table("pull", {"brick": 1, "time": 4.0, "velocity": [0.0, 0.1], "seconds": 2.0})]))
+        pull = {"brick": 1, "time": 4.0, "velocity": [0.0, 0.1], "seconds": 2.0, "carried": "true"}
+        stream.write("\n".join(["", table("pull", pull)]))
     scene = build("own_scene", file=file)
     assert scene.world.gravity == (0.0, 0.5, -9.0)
     assert scene.variant.startswith("own_scene-my_scene-")
-    assert scene.actions[-2:] == (Push(3.0, 1, (0.01, 0.0, 0.0)), Pull(4.0, 0, (0.0, 0.1), 2.0))
+    assert scene.actions[-2:] == (Push(3.0, 1, (0.01, 0.0, 0.0)), Pull(4.0, 0, (0.0, 0.1), 2.0, is_carried=True))
     assert scene.expectation.outcome == "study"
     turned = build("own_scene", file=file, size=4.0, mass=3.0, yaw=90.0)
     assert turned.actions[-2].impulse == pytest.approx((0.0, 3 * 2 * 0.01, 0.0))
     assert turned.actions[-1].velocity == pytest.approx((-0.2, 0.0))
-    assert (turned.actions[-1].time, turned.actions[-1].seconds) == (8.0, 4.0)
+    assert (turned.actions[-1].time, turned.actions[-1].seconds, turned.actions[-1].is_carried) == (8.0, 4.0, True)
+
+
+def test_a_pull_that_is_carried_by_another_word_than_true_or_false_is_refused(write):
+    file = write(plank())
+    with Path(file).open("a", encoding="utf-8") as stream:
+        pull = {"brick": 0, "time": 4.0, "velocity": [0.0, 0.1], "seconds": 2.0, "carried": 1}
+        stream.write("\n" + table("pull", pull))
+    with pytest.raises(ValueError, match=r"pull\[0\].carried must be true or false"):
+        build("own_scene", file=file)
 
 
 @pytest.mark.parametrize(
