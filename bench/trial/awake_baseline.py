@@ -69,6 +69,28 @@ def time_baseline(engine: str, profile: str, world: World, stack: Snapshot) -> B
     return BaselineTime(statistics.fmean(times_ms))
 
 
+def time_least_step(engine: str, profile: str, world: World, stack: Snapshot) -> float:
+    """Return the mean time [ms] of the engine's step with the last brick live and all other bricks frozen.
+
+    A frame with an extension takes at least this time. The engine records its contacts, as an extension needs them.
+
+    Args:
+        engine: name of the engine.
+        profile: name of the profile.
+        world: the world of the scene.
+        stack: the stack at its actual poses.
+    """
+    simulation = open_awake(engine, profile, world, stack)
+    try:
+        *frozen, _ = simulation.bricks
+        simulation.port.sleep(frozen)
+        frames = PlainFrames(simulation)
+        times = [frames.play()[0].engine for _ in range(WARM_UP_FRAMES + TIMED_FRAMES)]
+        return statistics.fmean(times[WARM_UP_FRAMES:]) * 1e3
+    finally:
+        simulation.close()
+
+
 def open_awake(engine: str, profile: str, world: World, stack: Snapshot) -> Simulation:
     """Open a world without the extension; place the stack there at its actual poses, with every brick awake."""
     unit = stack.quaternion / np.linalg.norm(stack.quaternion, axis=1, keepdims=True)

@@ -35,6 +35,9 @@ def frame_time_table(trials: pd.DataFrame) -> Table:
     measures = [measure for measure in MEASURES if has_bridge or measure is not _BRIDGE]
     rows = median_rows(trials, _KEYS, measures)
     rows["ratio at level"] = _ratios(trials)
+    has_limit = bool(trials["frame_ratio_limit"].notna().any())
+    if has_limit:
+        rows["least ratio"] = _limits(trials)
     if not several:
         rows = rows.drop(columns="machine")
     notes = (
@@ -48,6 +51,13 @@ def frame_time_table(trials: pd.DataFrame) -> Table:
         "costs more than it saves. Each trial is a pair of times: the median of at least "
         f"{LEAST_RATIOS} pairs and its 95 % interval from order statistics. Of five pairs the interval is their range, "
         "which encloses the median with 93.75 %. Fewer pairs give a dash.",
+        *(
+            [
+                "Least ratio: median of the time of the engine's step with one live brick on the frozen stack, over "
+                "the same frame time without the extension. No extension that steps the engine has a lower ratio."
+            ]
+            * has_limit
+        ),
     )
     return Table.of("Frame time", rows.rename(columns={"engine_name": "engine"}), notes, id="frame_time")
 
@@ -57,6 +67,13 @@ def _ratios(trials: pd.DataFrame) -> list[str]:
     played = played_in_order(trials)
     groups = played.groupby(list(_KEYS), sort=False, dropna=False)
     return [_ratio(group.loc[group["frame_ratio"].notna()]) for _, group in groups]
+
+
+def _limits(trials: pd.DataFrame) -> list[str]:
+    """Return the median of the least possible frame ratio of each row; a dash without a measurement."""
+    groups = played_in_order(trials).groupby(list(_KEYS), sort=False, dropna=False)
+    medians = [group["frame_ratio_limit"].median() for _, group in groups]
+    return [NOTHING if pd.isna(median) else f"{median:.2g}" for median in medians]
 
 
 def _ratio(measured: pd.DataFrame) -> str:
