@@ -74,10 +74,13 @@ PUBLICATIONS: dict[str, Publication] = {
         "publish",
     ),
     "truth": Publication(
-        "every scene with a known answer, most of them in pairs: profile `tuned` with every policy; profiles `default` "
-        "(as shipped) and `game` without the extension, with the engine's own sleeping and with `equilibrium`",
+        "every scene with a known answer, most of them in pairs: profile `tuned` with every policy; profile `game` "
+        "without the extension, with the engine's own sleeping and with `equilibrium`",
         "truth",
-        Selection(engines=("bullet", "mujoco", "dart", "physx", "rapier", "box3d", "jolt", "havok", "ode")),
+        Selection(
+            engines=("bullet", "mujoco", "dart", "physx", "rapier", "box3d", "jolt", "havok", "ode"),
+            profiles=("tuned", "game"),
+        ),
     ),
     "any_stack": Publication(
         "stacks of public bug reports, and each at three times the size, profile `game`, nine 3-D engines, "

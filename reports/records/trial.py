@@ -161,9 +161,10 @@ class TrialRecord(BaseModel):
     """Simulated time [s] at which the collapse was first seen."""
     frame_ratio_level: int | None = None
     """Level of the stack for which the trial measured, or could not measure, ``frame_ratio``."""
-    frame_ratio_limit: float | None = None
-    """Least possible ``frame_ratio``: ratio of the time of the engine's step with one live brick on the same stack,
-    frozen, to the frame time without the extension; null without ``frame_ratio``, and in older records."""
+    frame_ratio_one_live: float | None = None
+    """Ratio of the time of the engine's step with one live brick on the same stack, frozen, to the frame time without
+    the extension. A frame in which no brick is live may take less. Null without ``frame_ratio``, and in older
+    records."""
     frame_ratio_message: str = ""
     """Reason why the trial could not measure ``frame_ratio``; empty if the trial measured the ratio, or did not try to
     measure the ratio."""

@@ -35,9 +35,9 @@ def frame_time_table(trials: pd.DataFrame) -> Table:
     measures = [measure for measure in MEASURES if has_bridge or measure is not _BRIDGE]
     rows = median_rows(trials, _KEYS, measures)
     rows["ratio at level"] = _ratios(trials)
-    has_limit = bool(trials["frame_ratio_limit"].notna().any())
-    if has_limit:
-        rows["least ratio"] = _limits(trials)
+    has_one_live = bool(trials["frame_ratio_one_live"].notna().any())
+    if has_one_live:
+        rows["one live"] = _with_one_live(trials)
     if not several:
         rows = rows.drop(columns="machine")
     notes = (
@@ -53,10 +53,11 @@ def frame_time_table(trials: pd.DataFrame) -> Table:
         "which encloses the median with 93.75 %. Fewer pairs give a dash.",
         *(
             [
-                "Least ratio: median of the time of the engine's step with one live brick on the frozen stack, over "
-                "the same frame time without the extension. No extension that steps the engine has a lower ratio."
+                "One live: median ratio of the engine's step with one live brick on the frozen stack to the same frame "
+                "time without the extension. This is the engine's own share in a frame that has a live brick; a frame "
+                "without a live brick may take less."
             ]
-            * has_limit
+            * has_one_live
         ),
     )
     return Table.of("Frame time", rows.rename(columns={"engine_name": "engine"}), notes, id="frame_time")
@@ -69,10 +70,10 @@ def _ratios(trials: pd.DataFrame) -> list[str]:
     return [_ratio(group.loc[group["frame_ratio"].notna()]) for _, group in groups]
 
 
-def _limits(trials: pd.DataFrame) -> list[str]:
-    """Return the median of the least possible frame ratio of each row; a dash without a measurement."""
+def _with_one_live(trials: pd.DataFrame) -> list[str]:
+    """Return the median share of the engine's step with one live brick for each row; a dash without a measurement."""
     groups = played_in_order(trials).groupby(list(_KEYS), sort=False, dropna=False)
-    medians = [group["frame_ratio_limit"].median() for _, group in groups]
+    medians = [group["frame_ratio_one_live"].median() for _, group in groups]
     return [NOTHING if pd.isna(median) else f"{median:.2g}" for median in medians]
 
 

@@ -87,13 +87,13 @@ def test_a_level_of_too_few_frames_has_no_ratio(monkeypatch, fake_engine) -> Non
     assert record.frame_ratio_message == "the level was placed within the first 5 frames, which are not timed"
 
 
-def test_a_ratio_is_told_with_the_least_that_the_engine_allows() -> None:
+def test_a_ratio_comes_with_the_share_of_a_step_with_one_live_brick() -> None:
     """How small they are is a matter of the machine; they are measured together or not at all."""
     pytest.importorskip("pybullet")
     record = run("bullet", "four_stack", "paper", levels=6)
     assert record.frame_ratio is not None, (record.status, record.message, record.frame_ratio_message)
-    assert record.frame_ratio_limit is not None
-    assert record.frame_ratio_limit > 0.0
+    assert record.frame_ratio_one_live is not None
+    assert record.frame_ratio_one_live > 0.0
 
 
 def test_a_level_that_never_was_the_highest_has_no_ratio(monkeypatch, fake_engine) -> None:
