@@ -27,7 +27,7 @@ ENDINGS = {
     "huge": ("error", "must have at most 67108864 bytes"),
     "error": ("error", "the engine reports an error: the solver gave up"),
     "kind": ("error", "the engine's answer must have the kind 3, or 4 for an error, got 7"),
-    "closed": ("error", "closed at least one of them while its process runs"),
+    "closed": ("error", "but closed stdin or stdout earlier"),
     "chatter": ("error", "the engine must write only its answer to stdout, but wrote other output after the answer"),
     "nan": ("diverged", "poses were not finite"),
     "clock": ("error", "got 1e+06 s: report the duration in seconds"),
