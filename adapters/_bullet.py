@@ -90,7 +90,7 @@ class BulletSimulation(SubstepSimulation):
         if self.info.sleeping == "raised":
             raise NotImplementedError(
                 "policy 'raised' needs a sleep threshold that the adapter can raise, but PyBullet sets the threshold "
-                "on multibodies only: use policy 'none' or 'native'"
+                "on multibodies only: use policy 'none' or 'native', or sleeping='off' or 'native'"
             )
         self._engine = BulletWorld(self.world, self.info)
         self._client = self._engine.client

@@ -121,7 +121,7 @@ class DartWorld:
         if box.shape == "capsule" and not self._has_capsules:
             raise NotImplementedError(
                 "dart: the adapter builds capsules with the collision detector 'DART' only: use the profile game or "
-                "tuned with its own detector"
+                "tuned, without a varied collision_detector"
             )
         shape = _shape(box)
         shape_node = node.createShapeNode(shape)

@@ -60,6 +60,6 @@ class HavokSimulation(WasmSimulation):
         if self.info.sleeping == "raised":
             raise NotImplementedError(
                 "policy 'raised' needs a sleep threshold that the adapter can raise, but Havok's API cannot set the "
-                "threshold: use policy 'none' or 'native'"
+                "threshold: use policy 'none' or 'native', or sleeping='off' or 'native'"
             )
         super()._open()

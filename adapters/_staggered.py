@@ -26,6 +26,7 @@ from adapters.reference.contact_rows import ContactRows
 from adapters.reference.detector import FoundContacts
 from adapters.reference.impulse_matching import moved_to
 from adapters.reference.simulation import ReferenceSimulation
+from scenarios.lookup import one_of
 from stability_core.port import FloatArray
 
 KNOBS = frozenset({"tolerance", "turns", "memory", "cone", "overlap_share"})
@@ -70,7 +71,7 @@ class StaggeredSimulation(ReferenceSimulation):
         cone = str(knobs["cone"])
         if cone not in CONES:
             raise ValueError(
-                f"staggered: the knob 'cone' must be one of {', '.join(CONES)}, got {cone!r}: correct the profile "
+                f"staggered: the knob 'cone' must be {one_of(CONES)}, got {cone!r}: correct the profile "
                 f"'{self.info.profile.name}'"
             )
         self._solver = StaggeredSolver(

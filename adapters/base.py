@@ -184,17 +184,17 @@ class Simulation(EngineHooks):
         if body not in self.bodies.moved:
             raise KeyError(
                 f"drive() needs a body that the host moves, but body {body} is not among the moved bodies "
-                f"{sorted(self.bodies.moved)}: pass one of these ids, or spawn the body as Brick(..., moved=True)"
+                f"{sorted(self.bodies.moved)}: pass the id of a moved body, or spawn the body as Brick(..., moved=True)"
             )
         if not (np.isfinite(linear).all() and np.isfinite(angular).all()):
             raise ValueError(
-                f"velocities of body {body} must be finite, got {linear} m/s and {angular} rad/s; check for NaN or a "
-                "division by zero"
+                f"velocities of body {body} must be finite, got {linear} m/s and {angular} rad/s; give finite numbers, "
+                "and check for a division by zero"
             )
         if self.capabilities.planar and (linear[1] or angular[0] or angular[2]):
             raise ValueError(
-                f"{self.engine} is planar: velocities must lie in the x-z plane and spins along y, got {linear} m/s, "
-                f"{angular} rad/s: set the other components to 0"
+                f"{self.engine} is planar: body {body} must have its velocity in the x-z plane and its spin along y, "
+                f"got {linear} m/s and {angular} rad/s: set the other components to 0"
             )
         self.bodies.moved[body] = linear, angular
 

@@ -101,7 +101,7 @@ class WasmEntry:
     @property
     def remedy(self) -> str:
         """Return the fix for an engine that opens no world, as text for an error message."""
-        return "install it with: uv run --group wasm -m adapters.wasm"
+        return "install Node.js and the engine with: uv run --group wasm -m adapters.wasm"
 
     def version(self) -> str:
         """Return the version of the package in the lock file."""
@@ -130,7 +130,7 @@ class LibraryEntry:
     @property
     def remedy(self) -> str:
         """Return the fix for an engine that opens no world, as text for an error message."""
-        return f"install it with: uv sync --group {self.group}"
+        return f"install the engine's library with: uv sync --group {self.group}"
 
     def version(self) -> str:
         """Return the version of the library in use.
@@ -160,7 +160,7 @@ class ReferenceEntry:
     @property
     def remedy(self) -> str:
         """Return the fix for an engine that does not load, as text for an error message."""
-        return _install_engines(self.package)
+        return _install_engines(self.package) if self.package else "install the suite's packages with: uv sync"
 
     def version(self) -> str:
         """Return the revision, then in brackets the package and its version if the engine needs a package.

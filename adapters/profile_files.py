@@ -28,6 +28,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 from adapters.profile import AS_SHIPPED, Knob, Profile, Sleeping
+from scenarios.lookup import one_of
 
 FOLDER = Path(__file__).with_name("profiles")
 
@@ -144,12 +145,18 @@ def _profile(name: str, table: Any, shared: Mapping[str, Knobs]) -> Profile:
     _check_table(where, table)
     _check_keys(where, table, _PROFILE_KEYS)
     knobs: dict[str, Knob] = {}
-    for chosen in table.get("shared", []):
-        if chosen not in shared:
-            raise ProfileFileError(
-                f"{where}.shared must be a list of names of tables [shared.NAME], got {chosen!r}; use one of: "
-                f"{_listed(shared)}"
-            )
+    sets = table.get("shared", [])
+    wrong = [one for one in sets if not (isinstance(one, str) and one in shared)] if isinstance(sets, list) else [sets]
+    if wrong:
+        fix = (
+            f"use {one_of(shared)}, in quotes and brackets"
+            if shared
+            else "add a table [shared.NAME], or delete the key"
+        )
+        raise ProfileFileError(
+            f"{where}.shared must be a list of names of tables [shared.NAME], got {wrong[0]!r}; {fix}"
+        )
+    for chosen in sets:
         knobs |= shared[chosen]
     own = _knobs(f"{where}.knobs", table.get("knobs", {}))
     tuned_by = table.get("tuned_by", AS_SHIPPED)
@@ -251,8 +258,4 @@ def _check_table(where: str, table: Any) -> None:
 def _check_keys(where: str, table: Mapping[str, Any], known: tuple[str, ...]) -> None:
     for key in table:
         if key not in known:
-            raise ProfileFileError(f"{where}: unknown key '{key}'; use one of: {_listed(known)}")
-
-
-def _listed(names: Mapping[str, Any] | tuple[str, ...]) -> str:
-    return ", ".join(names) or "none"
+            raise ProfileFileError(f"{where}: unknown key '{key}'; use {one_of(known)}")

@@ -14,7 +14,7 @@ from dataclasses import replace
 
 from adapters.base import Simulation
 from adapters.profile import Knob, KnobValue, Profile
-from scenarios.lookup import look_up
+from scenarios.lookup import look_up, unknown_name
 
 _MARK = "@"
 _MOST_HZ = 10_000.0
@@ -54,7 +54,10 @@ def profile_of(simulation: type[Simulation], name: str) -> Profile:
         if what not in _VARIATIONS and _has_knob(simulation, what):
             profile = _with_knob(simulation, profile, what, value)
             continue
-        vary = look_up("variation of a profile", what, _VARIATIONS)
+        if what not in _VARIATIONS:
+            names = (*_VARIATIONS, *_knobs_of(simulation))
+            raise unknown_name(f"variation of a profile of engine '{simulation.engine}'", what, names)
+        vary = _VARIATIONS[what]
         try:
             profile = vary(simulation, profile, float(value))
         except ProfileError as error:
@@ -70,6 +73,12 @@ def _has_knob(simulation: type[Simulation], name: str) -> bool:
     return simulation.knows_knob(name) or any(name in profile.knobs for profile in simulation.profiles.values())
 
 
+def _knobs_of(simulation: type[Simulation]) -> list[str]:
+    """Return the sorted names of the knobs that the engine's profiles set, without the variations of other meaning."""
+    knobs = {name for profile in simulation.profiles.values() for name in profile.knobs}
+    return sorted(knobs - _VARIATIONS.keys())
+
+
 def _with_scale(_: type[Simulation], profile: Profile, scale: float) -> Profile:
     if not (math.isfinite(scale) and scale > 0):
         raise ValueError
@@ -83,8 +92,8 @@ def _with_substeps(_: type[Simulation], profile: Profile, substeps: float) -> Pr
 def _with_iterations(simulation: type[Simulation], profile: Profile, iterations: float) -> Profile:
     if not simulation.iterations:
         raise ProfileError(
-            f"variation 'iterations' needs a knob for the number of iterations, but {simulation.engine} has no "
-            "such knob: vary 'substeps' instead"
+            f"variation 'iterations' needs a knob for the number of iterations, but the engine {simulation.engine} has "
+            "no knob of this kind: vary 'substeps' instead"
         )
     knob = Knob(_whole(iterations), "varied, to measure its effect and its cost")
     return profile.with_knobs({simulation.iterations: knob})
@@ -125,7 +134,7 @@ def _with_knob(simulation: type[Simulation], profile: Profile, knob: str, text: 
         kind = {bool: "true or false", int: "a whole number", float: "a number", str: "a text"}[type(known.value)]
         raise ProfileError(
             f"profile '{profile.name}' of engine '{simulation.engine}': knob '{knob}' must be {kind}, such as "
-            f"{known.value!r}, got '{text}'; correct the value"
+            f"{known.value!r}, got '{text}'; give {kind}"
         )
     follows_world = known is not None and known.follows_world
     if follows_world and isinstance(value, float):

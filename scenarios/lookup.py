@@ -18,7 +18,15 @@ def unknown_name(kind: str, name: str, allowed: Iterable[str]) -> UnknownNameErr
     names = list(allowed)
     near = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
     hint = f"; did you mean '{near[0]}'?" if near else "."
-    return UnknownNameError(f"unknown {kind} '{name}'{hint} Available: {', '.join(names)}.")
+    return UnknownNameError(f"unknown {kind} '{name}'{hint} Use {one_of(names)}.")
+
+
+def one_of(names: Iterable[str]) -> str:
+    """Return the choice among ``names`` as text: "a", "a or b", or "one of a, b or c"."""
+    *before, last = names
+    if not before:
+        return last
+    return f"{'one of ' if len(before) > 1 else ''}{', '.join(before)} or {last}"
 
 
 def look_up(kind: str, name: str, table: Mapping[str, Item]) -> Item:

@@ -12,6 +12,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Protocol, TypeAlias, TypeGuard
 
+from scenarios.lookup import one_of
+
 Value: TypeAlias = float | int | str
 
 
@@ -41,7 +43,7 @@ class Whole:
         """
         if _is_number(value) and self.least <= value <= self.most and value % 1 == 0:
             return int(value)
-        raise ValueError(f"{name} must be a whole number from {self}, got {value!r}")
+        raise ValueError(f"{name} must be a whole number from {self}, got {value!r}: give a number in this range")
 
     def __str__(self) -> str:
         return f"{self.least} to {self.most}"
@@ -53,6 +55,8 @@ class Real:
 
     least: float
     most: float
+    unit: str = ""
+    """Unit of the numbers, for the message of an error; empty for a ratio or a coefficient."""
 
     def check(self, name: str, value: object) -> float:
         """Return ``value`` as a float.
@@ -62,7 +66,8 @@ class Real:
         """
         if _is_number(value) and self.least <= value <= self.most:
             return float(value)
-        raise ValueError(f"{name} must be a number from {self}, got {value!r}")
+        unit = f" {self.unit}" if self.unit else ""
+        raise ValueError(f"{name} must be a number from {self}{unit}, got {value!r}: give a number in this range")
 
     def __str__(self) -> str:
         return f"{self.least:g} to {self.most:g}"
@@ -85,7 +90,7 @@ class Choice:
         for word in self.words:
             if value == word:
                 return word
-        raise ValueError(f"{name} must be one of {self}, got {value!r}")
+        raise ValueError(f"{name} must be {one_of(self.words)}, got {value!r}: give one of these words")
 
     def __str__(self) -> str:
         return ", ".join(self.words)
@@ -99,7 +104,7 @@ Margin: TypeAlias = Annotated[float, Real(-0.5, 0.5)]
 """Distance from the limit, as a share of the limit: see ``scenarios.margins``."""
 Scale: TypeAlias = Annotated[float, Real(0.1, 100)]
 """Factor on all lengths, relative to the standard plank."""
-Gap: TypeAlias = Annotated[float, Real(0, 20)]
+Gap: TypeAlias = Annotated[float, Real(0, 20, "mm")]
 """Distance [mm] between neighbours."""
 Friction: TypeAlias = Annotated[float, Real(0, 2)]
 """Coulomb coefficient of every pair."""

@@ -62,7 +62,7 @@ def with_placement_noise(scene: Scene, seed: int) -> Scene:
         NoRoomError: if a brick has no room beside its neighbours.
     """
     if seed < 0:
-        raise ValueError(f"seed must be 0 (exact) or positive, got {seed}: give a whole number from 0")
+        raise ValueError(f"seed must be 0 (exact) or positive, got {seed}: give 0 or a positive whole number")
     if seed == 0:
         return scene
     laid: list[Brick] = []

@@ -63,8 +63,8 @@ def own_frame(points: npt.ArrayLike) -> OwnFrame:
     principal axes nearest to the axes of the given frame.
 
     Raises:
-        ValueError: if the points enclose no volume, or the hull has more than ``MOST_VERTICES`` vertices; the message
-            names the fix.
+        ValueError: if a point is not finite, the points enclose no volume, or the hull has more than ``MOST_VERTICES``
+            vertices; the message names the fix.
     """
     hull = _hull(np.asarray(points, np.float64).reshape(-1, 3))
     properties = _properties(hull)
@@ -109,15 +109,14 @@ def check_polyhedron(polyhedron: Polyhedron) -> None:
 
     A valid polyhedron has 4 to ``MOST_VERTICES`` finite vertices, is convex and not flat, and lies in its own frame.
     """
-    if not np.isfinite(polyhedron.array).all():
-        raise ValueError(f"vertices must be finite, got {polyhedron.vertices}: replace NaN and inf")
     hull = _hull(polyhedron.array)
     extent = max(polyhedron.extents)
     depth = np.asarray(hull.triangles_center)[:, None] - polyhedron.array[None]
     inside = (np.einsum("fk,fnk->fn", np.asarray(hull.face_normals), depth).min(axis=0) > CENTRED * extent).sum()
     if inside:
         raise ValueError(
-            f"{inside} of {len(polyhedron.vertices)} vertices lie inside the convex hull: make the body with "
+            f"each of the {len(polyhedron.vertices)} vertices of a polyhedron must be a corner of the convex hull, but "
+            f"the number of vertices inside the convex hull is {inside}: make the body with "
             "scenarios.solids.polyhedron, which drops inner points"
         )
     properties = _properties(hull)
@@ -125,12 +124,21 @@ def check_polyhedron(polyhedron: Polyhedron) -> None:
     is_centred = np.abs(properties.center).max() <= CENTRED * extent
     if not (is_centred and products <= CENTRED * np.diag(properties.gyration).max()):
         raise ValueError(
-            "vertices must be relative to the centre of mass, along principal axes of inertia: make the body with "
+            "vertices of a polyhedron must be relative to the centre of mass, along principal axes of inertia, but the "
+            f"centre of mass is at {properties.center.tolist()} m, and the greatest product of inertia is "
+            f"{products / np.diag(properties.gyration).max():.3g} times the largest moment: make the body with "
             "scenarios.solids.polyhedron, which finds the centre and the axes"
         )
 
 
 def _hull(points: FloatArray) -> trimesh.Trimesh:
+    finite = np.isfinite(points).all(axis=1)
+    if not finite.all():
+        number = int(finite.argmin())
+        raise ValueError(
+            f"vertices of a polyhedron must be finite, got {points[number].tolist()} m as vertex {number} (from 0): "
+            "replace NaN and inf by numbers"
+        )
     if len(points) < 4:
         raise ValueError(
             f"a polyhedron needs at least 4 vertices, got {len(points)}: give corners that enclose a volume"
@@ -140,19 +148,22 @@ def _hull(points: FloatArray) -> trimesh.Trimesh:
             hull: trimesh.Trimesh = trimesh.convex.convex_hull(points)
     except QhullError as error:
         raise ValueError(
-            f"the {len(points)} vertices must enclose a volume, but do not: give corners that are not in one plane"
+            f"the {len(points)} vertices of a polyhedron must enclose a volume, but do not: give at least 4 corners "
+            "that do not lie in one plane"
         ) from error
     extent = float(np.ptp(points, axis=0).max())
     heights = points @ np.asarray(hull.face_normals).T
     thickness = float(np.ptp(heights, axis=0).min()) if len(hull.faces) else 0.0
     if not thickness >= FLATNESS * extent or not extent:
         raise ValueError(
-            f"the vertices lie within {thickness:.3g} m of one plane and {extent:.3g} m of each other: give corners of "
-            f"a body whose thickness is at least {FLATNESS:g} of its extent"
+            f"the vertices enclose a body that is {thickness:.3g} m thick and at most {extent:.3g} m long along the "
+            f"axes x, y and z, which is too flat: give corners of a body whose thickness is at least {FLATNESS:g} "
+            "times this length"
         )
     if len(hull.vertices) > MOST_VERTICES:
         raise ValueError(
-            f"the convex hull has {len(hull.vertices)} vertices, more than {MOST_VERTICES}: simplify the mesh"
+            f"the convex hull of the vertices has {len(hull.vertices)} corners, more than {MOST_VERTICES}: give fewer "
+            "vertices, for example those of a simpler mesh"
         )
     return hull
 

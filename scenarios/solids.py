@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from scenarios import shapes
+from scenarios.lookup import one_of
 from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
 from scenarios.shapes import SIMPLE_SHAPES, FloatArray, Polyhedron, Shape
 
@@ -190,15 +191,15 @@ def check_solid(brick: Brick) -> None:
     if brick.friction is not None and not 0 <= brick.friction <= MAX_FRICTION:
         raise ValueError(
             f"brick friction must be None or a number from 0 to {MAX_FRICTION:g}, got {brick.friction} for the "
-            f"brick at {brick.position} m: give None for the world's coefficient"
+            f"brick at {brick.position} m: give a number in this range, or None for the world's coefficient"
         )
     if brick.restitution is not None and not 0 <= brick.restitution <= 1:
         raise ValueError(
             f"brick restitution must be None or a number from 0 to 1, got {brick.restitution} for the brick at "
-            f"{brick.position} m: give None for the world's coefficient"
+            f"{brick.position} m: give a number in this range, or None for the world's coefficient"
         )
     if brick.moments is not None:
-        _check_moments(brick.moments)
+        _check_moments(brick.moments, brick.position)
 
 
 def _check_shape(brick: Brick) -> None:
@@ -206,35 +207,44 @@ def _check_shape(brick: Brick) -> None:
     if isinstance(shape, Polyhedron):
         from scenarios.polyhedra import check_polyhedron
 
-        check_polyhedron(shape)
+        try:
+            check_polyhedron(shape)
+        except ValueError as error:
+            raise ValueError(f"brick at {brick.position} m: {error}") from error
         if brick.size != shape.extents:
             raise ValueError(
-                f"the size of a polyhedron must be the extents of its vertices, {shape.extents} m, got {brick.size} m: "
-                "make the brick with scenarios.solids.polyhedron, and change its size with scenarios.solids.enlarged"
+                f"the size of a polyhedron must be the extents of its vertices, {shape.extents} m, got {brick.size} m "
+                f"for the brick at {brick.position} m: make the brick with scenarios.solids.polyhedron, and change the "
+                "size of the brick with scenarios.solids.enlarged"
             )
     elif shape not in SIMPLE_SHAPES:
-        raise ValueError(f"brick shape must be a Polyhedron or one of {', '.join(SIMPLE_SHAPES)}, got {shape!r}")
+        raise ValueError(
+            f"brick shape must be a Polyhedron or {one_of(SIMPLE_SHAPES)}, got {shape!r} for the brick at "
+            f"{brick.position} m: give one of these shapes"
+        )
     elif x != y or (shape == "sphere" and x != z):
         raise ValueError(
             f"the size of a {shape} must have equal edges along x {'and y' if shape != 'sphere' else ', y and z'}, got "
-            f"{brick.size} m: make the brick with scenarios.solids.{shape}"
+            f"{brick.size} m for the brick at {brick.position} m: make the brick with scenarios.solids.{shape}"
         )
     elif shape == "capsule" and z < x:
         raise ValueError(
-            f"a capsule must be at least as long as thick, got {brick.size} m: give more length, or use a sphere"
+            f"a capsule must be at least as long as thick, got {brick.size} m for the brick at {brick.position} m: "
+            "give a greater length, or use a sphere"
         )
 
 
-def _check_moments(moments: Vector) -> None:
+def _check_moments(moments: Vector, position: Vector) -> None:
     largest = max(moments)
     if not all(math.isfinite(moment) and moment > 0 for moment in moments):
         raise ValueError(
-            f"moments of inertia must be three positive numbers, got {moments} kg m2: give None for a homogeneous brick"
+            f"moments of inertia must be three positive numbers, got {moments} kg m2 for the brick at {position} m: "
+            "give numbers above 0 kg m2, or None for a homogeneous brick"
         )
     if largest > (sum(moments) - largest) * (1 + _EXCESS):
         raise ValueError(
-            f"no body has the moments of inertia {moments} kg m2, because one moment is larger than the sum of both "
-            "others: correct the moments"
+            f"no body has the moments of inertia {moments} kg m2 of the brick at {position} m, because one moment is "
+            "larger than the sum of the two other moments: correct the moments, or give None for a homogeneous brick"
         )
 
 
@@ -249,16 +259,16 @@ def _made(
 ) -> Brick:
     if (mass is None) == (density is None):
         raise ValueError(
-            f"a body must have either mass or density, got mass={mass} and density={density}: give the mass alone, "
-            "or the density alone"
+            f"a body must have either mass or density, got mass={mass} kg and density={density} kg/m3 for the body at "
+            f"{position} m: give the mass alone, or the density alone"
         )
     brick = Brick(size, 1.0, position, quaternion, level, shape=shape)
     check_solid(brick)
     known = mass if density is None else density * volume_of(shape, size)
     if known is None or not (math.isfinite(known) and known > 0):
         raise ValueError(
-            f"mass or density must be positive and finite, got mass={mass} and density={density}: give a mass above "
-            "0 kg, or a density above 0 kg/m3"
+            f"mass or density must be positive and finite, got mass={mass} kg and density={density} kg/m3 for the body "
+            f"at {position} m: give a mass above 0 kg, or a density above 0 kg/m3"
         )
     return replace(brick, mass=known)
 

@@ -27,7 +27,7 @@ from stability_core.upright import checked_gravity
 from stability_core.validation import check_shapes, checked_removals
 from stability_core.world import World
 
-CLOSED = "this extension is closed: create a new StabilityExtension for the port"
+CLOSED = "this extension is closed: create a new StabilityExtension for the port, or call attach() again"
 MOMENT_S = 1e-9
 """Time [s] of an update without a step, so short that any motion since the last update counts as fast."""
 
@@ -218,7 +218,7 @@ class StabilityExtension:
         """
         self._check_open()
         if not 0.0 < dt < math.inf:
-            raise ValueError(f"dt must be positive and finite [s], got {dt}: pass the length of the step")
+            raise ValueError(f"dt must be positive and finite, got {dt} s: pass the time since the previous update()")
         self._dt = dt
         seen = self._look(dt)
         if seen is None:

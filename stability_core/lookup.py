@@ -18,7 +18,7 @@ def unknown_name(kind: str, name: str, allowed: Iterable[str]) -> UnknownNameErr
     names = list(allowed)
     near = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
     hint = f"; did you mean '{near[0]}'?" if near else "."
-    return UnknownNameError(f"unknown {kind} '{name}'{hint} Available: {', '.join(names)}.")
+    return UnknownNameError(f"unknown {kind} '{name}'{hint} Use one of: {', '.join(names)}.")
 
 
 def look_up(kind: str, name: str, table: Mapping[str, Item]) -> Item:

@@ -192,11 +192,11 @@ class Settings:
                 raise ValueError(f"setting {item.name} must be a number, got {value!r}: pass a float")
             if not (math.isfinite(value) and value >= 0):
                 raise ValueError(
-                    f"setting {item.name} must be finite and at least 0, got {value}: pass a number from 0"
+                    f"setting {item.name} must be finite and at least 0, got {value}: pass 0 or a positive number"
                 )
         if self.repose >= math.pi / 2:
             raise ValueError(
-                f"setting repose must be below pi/2 rad, got {self.repose}: pass the angle in radians, such as "
+                f"setting repose must be below pi/2 rad, got {self.repose} rad: pass the angle in radians, such as "
                 "math.radians(35)"
             )
         if self.rest_s == 0:

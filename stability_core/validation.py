@@ -100,10 +100,10 @@ def check_ids(name: str, ids: object) -> None:
     kind = getattr(dtype, "kind", None)
     if kind is None:
         raise ValueError(
-            f"{name} must be a NumPy array of integers, got {type(ids).__name__}: convert it with numpy.asarray"
+            f"{name} must be a NumPy array of integers, got {type(ids).__name__}: convert {name} with numpy.asarray"
         )
     if kind not in "iu" and len(ids):  # type: ignore[arg-type]  # an empty list makes an array of floats
-        raise ValueError(f"{name} must hold integers, got an array of {ids.dtype}: convert it with .astype(np.int64)")  # type: ignore[attr-defined]
+        raise ValueError(f"{name} must hold integers, got an array of {dtype}: convert {name} with .astype(np.int64)")
 
 
 def checked_removals(removed: Iterable[object]) -> list[int]:
@@ -140,33 +140,35 @@ def check_shapes(contacts: Contacts, masses: Masses) -> None:
     arrays |= {f"masses.{name}": getattr(masses, name) for name in ("body", "mass", "center_of_mass")}
     for name, array in arrays.items():
         if not isinstance(array, np.ndarray):
-            raise ValueError(f"{name} must be a NumPy array, got {type(array).__name__}: convert it with numpy.asarray")
+            raise ValueError(
+                f"{name} must be a NumPy array, got {type(array).__name__}: convert {name} with numpy.asarray"
+            )
         if array.dtype.kind not in "iuf":
             raise ValueError(
-                f"{name} must hold numbers, got an array of {array.dtype}: convert it with .astype(np.float64)"
+                f"{name} must hold numbers, got an array of {array.dtype}: convert {name} with .astype(np.float64)"
             )
     n, m = len(contacts.body_a), len(masses.body)
     if not contacts.point.shape == contacts.normal.shape == contacts.relative_velocity.shape == (n, 3):
         raise ValueError(
-            f"contacts.point, normal and relative_velocity must each have shape ({n}, 3), because contacts.body_a "
-            f"has {n} rows; got {contacts.point.shape}, {contacts.normal.shape} and "
+            f"contacts.point, normal and relative_velocity must each have shape ({n}, 3), because the length of "
+            f"contacts.body_a is {n}; got {contacts.point.shape}, {contacts.normal.shape} and "
             f"{contacts.relative_velocity.shape}: give one row per contact point"
         )
     if not contacts.body_b.shape == contacts.separation.shape == contacts.friction.shape == (n,):
         raise ValueError(
-            f"contacts.body_b, separation and friction must each have shape ({n},), because contacts.body_a has "
-            f"{n} rows; got {contacts.body_b.shape}, {contacts.separation.shape} and "
+            f"contacts.body_b, separation and friction must each have shape ({n},), because the length of "
+            f"contacts.body_a is {n}; got {contacts.body_b.shape}, {contacts.separation.shape} and "
             f"{contacts.friction.shape}: give one value per contact point"
         )
     if contacts.force is not None and contacts.force.shape != (n, 3):
         raise ValueError(
-            f"contacts.force must be None or have shape ({n}, 3), because contacts.body_a has {n} rows; got "
+            f"contacts.force must be None or have shape ({n}, 3), because the length of contacts.body_a is {n}; got "
             f"{contacts.force.shape}: give one force per contact point"
         )
     if masses.mass.shape != (m,) or masses.center_of_mass.shape != (m, 3):
         raise ValueError(
-            f"masses.mass must have shape ({m},), and masses.center_of_mass ({m}, 3), because masses.body has {m} "
-            f"rows; got {masses.mass.shape} and {masses.center_of_mass.shape}: give one row per body"
+            f"masses.mass must have shape ({m},), and masses.center_of_mass ({m}, 3), because the length of "
+            f"masses.body is {m}; got {masses.mass.shape} and {masses.center_of_mass.shape}: give one row per body"
         )
 
 
@@ -175,7 +177,7 @@ def fault_of(fault: int, row: int, contacts: Contacts, masses: Masses) -> ValueE
     if fault == BAD_MASS:
         return ValueError(
             f"masses row {row}: body {masses.body[row]} needs an id of at least 0, a positive mass and a finite "
-            f"centre, got {masses.mass[row]} kg at {masses.center_of_mass[row]}: correct this row of masses()"
+            f"centre, got {masses.mass[row]} kg at {masses.center_of_mass[row]} m: correct this row of masses()"
         )
     if fault == LISTED_TWICE:
         return ValueError(
@@ -190,11 +192,11 @@ def fault_of(fault: int, row: int, contacts: Contacts, masses: Masses) -> ValueE
         )
     if fault == FLIPPED:
         return ValueError(
-            f"{pair}, and its normal {contacts.normal[row]} pushes the body down from below: normals must point from "
-            "body_a to body_b: change the sign of all normals that point from b to a"
+            f"{pair}, and its normal {contacts.normal[row]} pushes the body down from below, but normals must point "
+            "from body_a to body_b: change the sign of all normals that point from b to a"
         )
     return ValueError(
         f"{pair}: a contact needs two different ids (-1 for the ground, or at least 0), a finite point, a unit normal "
-        f"and a friction of at least 0, got point {contacts.point[row]}, normal {contacts.normal[row]}, friction "
+        f"and a friction of at least 0, got point {contacts.point[row]} m, normal {contacts.normal[row]}, friction "
         f"{contacts.friction[row]}: correct this row of contacts()"
     )

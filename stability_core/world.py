@@ -54,8 +54,8 @@ class World:
         if (rows < 0).any():
             unknown = ", ".join(map(str, wanted[rows < 0].tolist()))
             raise KeyError(
-                f"unknown body {unknown}: masses() never listed this body, or listed it as removed; list the body, and "
-                "call update() first"
+                f"unknown body {unknown}: masses() must list each body before a call names the body, and not as "
+                "removed; list the body in masses(), and call update() first"
             )
         return rows
 

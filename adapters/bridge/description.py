@@ -9,6 +9,7 @@ from typing import Any, Literal
 from adapters.bridge.errors import ProtocolError
 from adapters.bridge.messages import PROTOCOL
 from adapters.profile import Capabilities
+from scenarios.lookup import one_of
 
 Detection = Literal["start", "end"]
 """Time of the poses at which the engine detects contact points: the start of the latest substep, or its end."""
@@ -68,18 +69,18 @@ def _detection(said: object) -> Detection:
 def _capabilities(said: Any) -> Capabilities:
     if not isinstance(said, dict):
         raise ProtocolError(
-            f"hello: 'capabilities' must be a JSON object, got {said!r}; write the object as in docs/bridge.md"
+            f"hello: 'capabilities' must be a JSON object, got {said!r}; write an object with the entries in "
+            "docs/bridge.md"
         )
     said = _UNLESS_SAID | said
     known = {field.name: field for field in fields(Capabilities) if field.name not in _NOT_IN_PROTOCOL}
     for name, value in said.items():
         if name not in known:
-            raise ProtocolError(f"hello: unknown capability '{name}'; use these: {', '.join(known)}")
+            raise ProtocolError(f"hello: unknown capability '{name}'; use {one_of(known)}")
         wanted = bool if known[name].type in ("bool", bool) else str
         if type(value) is not wanted:
-            raise ProtocolError(
-                f"hello: capability '{name}' must be a {wanted.__name__}, got {value!r}; correct the value"
-            )
+            kind = "true or false" if wanted is bool else "a text"
+            raise ProtocolError(f"hello: capability '{name}' must be {kind}, got {value!r}; write {kind}")
     for name, field in known.items():
         if name not in said and field.default is MISSING:
             raise ProtocolError(f"hello: capability '{name}' is missing; add this capability (see docs/bridge.md)")

@@ -28,6 +28,7 @@ from adapters.bridge.simulation import BridgeSimulation
 from adapters.engines import ENGINES, Entry
 from adapters.profile import AS_SHIPPED, Profile
 from adapters.profile_files import EngineSettings, load_settings
+from scenarios.lookup import one_of
 
 ENTRY_POINTS = "stillstack.engines"
 """Group of the entry points with which packages offer their engines."""
@@ -200,15 +201,18 @@ def _entry(path: Path, name: str, table: Any) -> ExternalEntry:
         )
     for key in table:
         if key not in _KEYS:
-            raise EnginesFileError(f"{where}: unknown key '{key}'; use one of: {', '.join(_KEYS)}")
+            raise EnginesFileError(f"{where}: unknown key '{key}'; use {one_of(_KEYS)}")
     command, profiles, timeout_s = table.get("command"), table.get("profiles"), table.get("timeout_s", SILENCE_S)
     if not (isinstance(command, list) and command and all(isinstance(word, str) for word in command)):
         raise EnginesFileError(
             f"{where}: 'command' must be a list of texts, at least the program, such as ['program', 'argument'], got "
-            f"{command!r}"
+            f"{command!r}: correct the list"
         )
     if profiles is not None and not isinstance(profiles, str):
-        raise EnginesFileError(f"{where}: 'profiles' must be the name of a file, such as 'NAME.toml', got {profiles!r}")
+        raise EnginesFileError(
+            f"{where}: 'profiles' must be the name of a file, got {profiles!r}: write a name in quotes, such as "
+            "'NAME.toml'"
+        )
     if type(timeout_s) not in (int, float) or not 0.0 < timeout_s < float("inf"):
         raise EnginesFileError(
             f"{where}: 'timeout_s' must be a finite time in seconds, more than 0, got {timeout_s!r}; write, for "

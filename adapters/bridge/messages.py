@@ -107,7 +107,10 @@ def json_content(body: bytes | memoryview) -> dict[str, Any]:
             "write a JSON object in UTF-8"
         ) from error
     if not isinstance(content, dict):
-        raise ProtocolError(f"the engine's answer must be a JSON object, got {bytes(body[:60])!r}: see docs/bridge.md")
+        raise ProtocolError(
+            f"the engine's answer must be a JSON object, got {bytes(body[:60])!r}: write an object in "
+            "braces, as docs/bridge.md shows"
+        )
     return content
 
 
@@ -148,8 +151,8 @@ def step_reply(body: bytes | memoryview, bodies: IntArray, states: int, table: F
         )
     if len(body) < _REPLY_HEAD.size:
         raise ProtocolError(
-            f"the answer to a step must begin with {_REPLY_HEAD.size // _WORD} numbers, got {length}: write the time "
-            "of the steps, then the four counts"
+            f"the answer to a step must begin with {_REPLY_HEAD.size // _WORD} numbers, but its whole length is "
+            f"{length}: write the time of the steps, then the four counts"
         )
     engine_s, *counts = _REPLY_HEAD.unpack_from(body)
     if not 0.0 <= engine_s < math.inf:
@@ -168,8 +171,9 @@ def step_reply(body: bytes | memoryview, bodies: IntArray, states: int, table: F
     needed = of_forces + forces * FORCE_WIDTH
     if length != _REPLY_HEAD.size // _WORD + needed:
         raise ProtocolError(
-            f"an answer with {blocks} states of {listed} bodies, {points} contact points and {forces} forces must have "
-            f"{_REPLY_HEAD.size // _WORD + needed} numbers, got {length}: write counts that fit the numbers"
+            f"an answer with the counts {listed} (bodies), {blocks} (states of each body), {points} (contact points) "
+            f"and {forces} (forces) must have {_REPLY_HEAD.size // _WORD + needed} numbers, got {length}: write counts "
+            "that fit the numbers"
         )
     words = np.frombuffer(body, np.float64, offset=_REPLY_HEAD.size)
     finding: int = Finding.OTHER_BODIES
@@ -177,13 +181,18 @@ def step_reply(body: bytes | memoryview, bodies: IntArray, states: int, table: F
         finding = receive(words, bodies, blocks, table)
     if finding == Finding.OTHER_BODIES:
         raise ProtocolError(
-            f"the answer must have {states} states of the live and moved bodies, by rising id, "
-            f"{_listed(bodies)}; got {blocks} states of {_listed(words[:listed])}: write these states, in the "
-            "order of these ids"
+            f"the answer must have the states of the live and moved bodies, by rising id: ids {_listed(bodies)} (count "
+            f"{len(bodies)}), with {states} as the count of states of each body; got ids {_listed(words[:listed])} "
+            f"(count {listed}), with {blocks} as the count of states{_first_difference(bodies, words[:listed])}: write "
+            "the required states, in the order of the required ids"
         )
     if finding == Finding.POINTS_NOT_FINITE:
+        place = int(np.flatnonzero(~np.isfinite(words[of_points:]))[0])
+        row, of_force = place // CONTACT_WIDTH, place - points * CONTACT_WIDTH
+        where = f"contact point {row}" if of_force < 0 else f"force {of_force // FORCE_WIDTH}"
         raise ProtocolError(
-            "contact points and forces in the answer must be finite, got NaN or inf: send finite numbers only"
+            f"contact points and forces in the answer must be finite, got {words[of_points + place]} in {where} (from "
+            "0): send finite numbers only"
         )
     return StepReply(
         engine_s,
@@ -196,5 +205,15 @@ def step_reply(body: bytes | memoryview, bodies: IntArray, states: int, table: F
 
 def _listed(ids: FloatArray | IntArray) -> str:
     """Return the first ten ids as text."""
-    shown = ", ".join(f"{number:g}" for number in ids[:10].tolist())
+    shown = ", ".join(f"{number:.15g}" for number in ids[:10].tolist())
     return f"[{shown}{', ...' if len(ids) > 10 else ''}]"
+
+
+def _first_difference(required: IntArray, given: FloatArray) -> str:
+    """Return the first place where both lists have different ids as text; empty if there is no such place."""
+    common = min(len(required), len(given))
+    places = np.flatnonzero(required[:common] != given[:common])
+    if not len(places):
+        return ""
+    place = places[0]
+    return f", first different in place {place} (from 0), {given[place]:.15g} instead of {required[place]}"

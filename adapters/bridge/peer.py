@@ -140,7 +140,7 @@ class Peer:
                     self._enlarge(need + 1, have)
         if have > need:
             raise ProtocolError(
-                f"the engine must write only its answer to stdout, got {have - need} bytes after the answer: print "
+                "the engine must write only its answer to stdout, but wrote other output after the answer: print "
                 "other text to stderr"
             )
         return HEADER.unpack_from(self._buffer)[1], self._buffer[HEADER.size : need]
@@ -168,8 +168,8 @@ class Peer:
         if not poll.poll(max(0.0, (deadline - monotonic()) * 1e3)):
             self._process.kill()
             raise PeerTimeoutError(
-                f"the engine must answer within {self._timeout_s:g} s, but did not ({self._name}): raise timeout_s if "
-                "the engine needs more time"
+                f"the engine must answer within {self._timeout_s:g} s, but did not ({self._name}): raise the engine's "
+                "timeout_s if the engine needs more time"
             )
 
     def _exited(self) -> PeerError:
@@ -178,8 +178,8 @@ class Peer:
             code = self._process.wait(_END_S)
         except subprocess.TimeoutExpired:
             return ProtocolError(
-                "the engine must keep stdin and stdout open until it ends, but closed at least one of them while its "
-                "process runs"
+                "the engine must keep stdin and stdout open until its process ends, but closed stdin or stdout "
+                "earlier: close both only at the end of the process"
             )
         ending = f"with status {code}" if code >= 0 else f"by signal {-code}"
         return PeerExitError(

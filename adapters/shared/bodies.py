@@ -84,9 +84,10 @@ class Bodies:
         """Raise ``KeyError`` unless all ``bodies`` are in the world."""
         unknown = [body for body in bodies if body not in self.bricks]
         if unknown:
+            body_or_bodies = "body" if len(unknown) == 1 else "bodies"
             raise KeyError(
-                f"no body in the world has the id {', '.join(map(str, unknown))}, because the host never spawned this "
-                "body, or removed it: use an id from poses()"
+                f"the world does not contain the {body_or_bodies} {', '.join(map(str, unknown))}, because the host "
+                f"never spawned the {body_or_bodies}, or removed the {body_or_bodies}: use ids from poses()"
             )
 
     def ids(self) -> IntArray:

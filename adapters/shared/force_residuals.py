@@ -59,5 +59,8 @@ def complementarity(contacts: Contacts, weight: float, length: float) -> FloatAr
 
 def _forces(contacts: Contacts) -> FloatArray:
     if contacts.force is None:
-        raise ValueError("contacts.force must hold forces, got None: use an engine whose capabilities state forces")
+        raise ValueError(
+            "contacts.force must hold forces, got None: use an engine whose capabilities state forces, and a profile "
+            "without 'forces=0'"
+        )
     return contacts.force

@@ -16,13 +16,18 @@ MAX_OFF_PLANE = 1e-9
 def check_finite(quantity: str, value: Vector, unit: str) -> None:
     """Raise ``ValueError``, which names ``quantity`` and ``unit``, unless all components of a vector are finite."""
     if not np.isfinite(value).all():
-        raise ValueError(f"{quantity} must be finite, got {value} {unit}; check for NaN or a division by zero")
+        raise ValueError(
+            f"{quantity} must be finite, got {value} {unit}; give finite numbers, and check for a division by zero"
+        )
 
 
 def check_mass(brick: Brick) -> None:
     """Raise ``ValueError`` unless the mass of a brick is positive and finite."""
     if not (math.isfinite(brick.mass) and brick.mass > 0):
-        raise ValueError(f"brick mass must be positive and finite, got {brick.mass} kg; correct Brick.mass")
+        raise ValueError(
+            f"brick mass must be positive and finite, got {brick.mass} kg for the brick at {brick.position} m; give "
+            "Brick.mass a number above 0 kg"
+        )
 
 
 def check_body(brick: Brick) -> None:
@@ -36,7 +41,8 @@ def check_pose(position: Vector, quaternion: Quaternion) -> None:
     check_finite("position", position, "m")
     if not abs(np.linalg.norm(quaternion) - 1) < 1e-6:  # written so that NaN fails too
         raise ValueError(
-            f"quaternion (w, x, y, z) must be of unit length, got {quaternion}; divide the quaternion by its length"
+            f"quaternion (w, x, y, z) must be of unit length, got {quaternion} for the body at {position} m; divide "
+            "the quaternion by its length"
         )
 
 
@@ -54,11 +60,11 @@ def check_pose_in_plane(engine: str, position: Vector, quaternion: Quaternion) -
     _, i, _, k = quaternion
     if abs(y) > MAX_OFF_PLANE:
         raise ValueError(
-            f"{engine} is planar: the brick's centre must lie at y = 0, got y = {y} m: set y to 0, or use an engine in "
-            "three dimensions"
+            f"{engine} is planar: the brick's centre must lie at y = 0, got the position {position} m: set y to 0, or "
+            "use an engine in three dimensions"
         )
     if max(abs(i), abs(k)) > MAX_OFF_PLANE:
         raise ValueError(
-            f"{engine} is planar: a brick may turn about the y axis only, got quaternion {quaternion}: set the x and z "
-            "components to 0"
+            f"{engine} is planar: a brick may turn about the y axis only, got the quaternion {quaternion} for the "
+            f"brick at {position} m: set the x and z components of the quaternion to 0"
         )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from adapters.profile import Capabilities
+from scenarios.lookup import one_of
 from scenarios.model import Brick, World
 from scenarios.shapes import name_of
 from scenarios.solids import friction_of, restitution_of
@@ -28,8 +29,8 @@ def check_capable(engine: str, can: Capabilities, world: World, bricks: Iterable
         shape = name_of(brick.shape)
         if shape not in can.shapes:
             raise NotImplementedError(
-                f"{engine}: the adapter builds no {shape}, because {can.other_shapes}: use one of "
-                f"{', '.join(can.shapes)}, or another engine"
+                f"{engine}: the adapter builds no {shape}, because {can.other_shapes}: use {one_of(can.shapes)}, or "
+                "another engine"
             )
         if not can.own_friction and friction_of(brick, world) != world.friction:
             raise NotImplementedError(

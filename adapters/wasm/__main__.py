@@ -6,7 +6,7 @@ import os
 import subprocess
 import sys
 
-from adapters.wasm import FOLDER, INSTALL, node
+from adapters.wasm import FOLDER, node
 
 
 def main() -> int:
@@ -14,7 +14,7 @@ def main() -> int:
     try:
         program = node()
     except ImportError as error:
-        sys.stderr.write(f"error: {error}; install it with: {INSTALL}\n")
+        sys.stderr.write(f"error: {error}\n")
         return 2
     npm = program.parents[1] / "lib" / "node_modules" / "npm" / "bin" / "npm-cli.js"
     command = [str(program), str(npm), "ci", "--ignore-scripts", "--no-audit", "--no-fund"]

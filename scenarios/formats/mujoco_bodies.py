@@ -63,13 +63,12 @@ def free_brick(model: Any, data: Any, body: int, name: str, geoms: Sequence[Geom
     Raises:
         ImportRefusedError: if the body has no geometry or several geometries, a brick cannot have the geometry's
             shape, or the mass properties do not fit the shape; the message names the body or geometry, and the fix.
-        ValueError: if a mesh's convex hull is too flat, or has more than ``polyhedra.MOST_VERTICES`` vertices.
     """
     if len(geoms) != 1:
         raise ImportRefusedError(
             f"body '{name}' has {len(geoms)} collision geometries, but a brick has one convex shape: give the body "
-            "one geometry, for example a mesh of the body's convex hull, and set contype and conaffinity of all other "
-            "geometries to 0"
+            "one collision geometry, for example a mesh of the body's convex hull (in MJCF, set contype and "
+            "conaffinity of all other geometries to 0; in URDF, keep one <collision>)"
         )
     (geom,) = geoms
     parts = [index for index in range(1, model.nbody) if model.body_weldid[index] == body]
@@ -80,7 +79,7 @@ def free_brick(model: Any, data: Any, body: int, name: str, geoms: Sequence[Geom
     if np.abs(center - brick.position).max() > OFF_CENTER * extent:
         raise ImportRefusedError(
             f"the centre of mass of body '{name}' is {np.linalg.norm(center - brick.position) * 1e3:.3g} mm from the "
-            "centre of its shape: remove the body's <inertial>, or give its visual geometries mass 0"
+            "centre of the body's shape: remove the body's <inertial>, or give the body's visual geometries mass 0"
         )
     frame = _frame(brick)
     inertial = np.array(data.ximat[body]).reshape(3, 3)
@@ -90,8 +89,8 @@ def free_brick(model: Any, data: Any, body: int, name: str, geoms: Sequence[Geom
     moments = np.diag(inertia)
     if np.abs(inertia - np.diag(moments)).max() > OFF_CENTER * moments.max():
         raise ImportRefusedError(
-            f"the principal axes of inertia of body '{name}' differ from the axes of its shape: remove the body's "
-            "<inertial>, or give its visual geometries mass 0"
+            f"the principal axes of inertia of body '{name}' differ from the axes of the body's shape: remove the "
+            "body's <inertial>, or give the body's visual geometries mass 0"
         )
     x, y, z = center.tolist()
     placed = replace(brick, position=(x, y, z), quaternion=quaternion_of(frame))
@@ -137,7 +136,7 @@ def _shape(model: Any, geom: Geom, mass: float) -> Brick:
             return _hull(vertices, geom, mass)
     kind = str(mujoco.mjtGeom(geom.kind)).rpartition("mjGEOM_")[2].lower()
     raise ImportRefusedError(
-        f"geometry '{geom.name}' is of type {kind}: use box, sphere, capsule, cylinder or a convex mesh"
+        f"geometry '{geom.name}' is of type {kind}: use a box, sphere, capsule, cylinder or convex mesh"
     )
 
 
@@ -145,8 +144,8 @@ def fixed_bodies(model: Any, geom: Geom, notes: list[str]) -> list[Brick]:
     """Return a geometry as a fixed body, or a mesh that is not convex as its convex parts, with a note in ``notes``.
 
     Raises:
-        ImportRefusedError: if a fixed body cannot have the geometry's type, or CoACD, which splits meshes, is missing.
-        ValueError: if a convex hull is too flat, or has more than ``polyhedra.MOST_VERTICES`` vertices.
+        ImportRefusedError: if a fixed body cannot have the geometry's type, CoACD, which splits meshes, is missing, or
+            a convex hull is too flat or has more than ``polyhedra.MOST_VERTICES`` vertices.
     """
     if geom.kind == mujoco.mjtGeom.mjGEOM_MESH and not is_convex(*_mesh(model, geom.mesh)):
         parts = convex_parts(geom.name, *_mesh(model, geom.mesh))
@@ -162,11 +161,18 @@ def _hull(vertices: FloatArray, geom: Geom, mass: float) -> Brick:
 
     The function converts the vertices to the frame of the geometry's body, because MuJoCo turns the frame of a mesh,
     and may exchange its axes.
+
+    Raises:
+        ImportRefusedError: if the hull is too flat, or has more than ``polyhedra.MOST_VERTICES`` vertices; the message
+            names the geometry.
     """
     in_world = geom.position + vertices @ geom.frame.T
     x, y, z = geom.body_position.tolist()
     in_body = (in_world - geom.body_position) @ geom.body_frame
-    return polyhedron(in_body, position=(x, y, z), quaternion=quaternion_of(geom.body_frame), mass=mass)
+    try:
+        return polyhedron(in_body, position=(x, y, z), quaternion=quaternion_of(geom.body_frame), mass=mass)
+    except ValueError as error:
+        raise ImportRefusedError(f"mesh of '{geom.name}': {error}") from error
 
 
 def _mesh(model: Any, mesh: int) -> tuple[FloatArray, Any]:

@@ -55,7 +55,6 @@ def read_mujoco_file(path: Path) -> Imported:
 
     Raises:
         ImportRefusedError: if MuJoCo cannot read the file, or a scene cannot hold an element of the file.
-        ValueError: if a mesh's convex hull is too flat, or has more than ``polyhedra.MOST_VERTICES`` vertices.
     """
     try:
         spec = mujoco.MjSpec.from_file(str(path))
@@ -105,14 +104,14 @@ def _free_root(spec: Any, path: Path) -> None:
 def _refuse_elements(spec: Any) -> None:
     for attribute, kind in REFUSED.items():
         for element in getattr(spec, attribute):
-            raise ImportRefusedError(
-                f"{kind} '{element.name}': a scene holds only free and fixed bodies; remove the {kind}"
-            )
+            name = f"the {kind} '{element.name}'" if element.name else f"the first {kind}, which has no name"
+            raise ImportRefusedError(f"{name}: a scene holds only free and fixed bodies; remove the {kind}")
     for joint in spec.joints:
         if joint.type != mujoco.mjtJoint.mjJNT_FREE:
             kind = str(joint.type).rpartition("mjJNT_")[2].partition(":")[0].lower()
+            name = f" '{joint.name}'" if joint.name else ""
             raise ImportRefusedError(
-                f"{kind} joint '{joint.name}' of body '{joint.parent.name}': a scene holds only free and fixed bodies; "
+                f"{kind} joint{name} of body '{joint.parent.name}': a scene holds only free and fixed bodies; "
                 "use a freejoint, or remove the joint (in URDF, use the type floating or fixed)"
             )
 
@@ -175,12 +174,14 @@ def _split_planes(geoms: Sequence[Geom]) -> tuple[Geom | None, list[Geom]]:
     planes = [geom for geom in geoms if geom.kind == mujoco.mjtGeom.mjGEOM_PLANE]
     for plane in planes:
         if np.hypot(*plane.frame[:2, 2]) > LEVEL or plane.frame[2, 2] < 0:
+            normal = plane.frame[:, 2].round(6).tolist()
             raise ImportRefusedError(
-                f"plane '{plane.name}' is not level or faces down: use a level plane that faces up (with tilted "
-                "gravity for a slope), or a fixed box"
+                f"plane '{plane.name}' is not level or faces down, with the normal {normal}: "
+                "use a level plane that faces up (with tilted gravity for a slope), or a fixed box"
             )
     if len({round(float(plane.position[2]), 9) for plane in planes}) > 1:
-        raise ImportRefusedError(f"planes {[plane.name for plane in planes]} have different heights: keep one plane")
+        heights = ", ".join(f"'{plane.name}' at z = {plane.position[2]:.9g} m" for plane in planes)
+        raise ImportRefusedError(f"planes have different heights ({heights}), but a scene has one: keep one plane")
     return (planes[0] if planes else None), [geom for geom in geoms if geom not in planes]
 
 

@@ -22,13 +22,12 @@ def read_file(path: Path) -> Imported:
     Raises:
         ImportRefusedError: if no reader of the format is installed, the reader cannot read the file, or a scene cannot
             hold the content; the message names the fix.
-        ValueError: if a mesh's convex hull is too flat, or has more than ``polyhedra.MOST_VERTICES`` vertices.
     """
     suffix = path.suffix.lower()
     if suffix in SDF:
         raise ImportRefusedError(
-            "SDF has no maintained parser for Python: convert the file to URDF or MJCF, or write its bodies in a TOML "
-            "file"
+            "SDF has no maintained parser for Python: convert the file to URDF or MJCF, or write the bodies of the "
+            "file in a TOML file"
         )
     if suffix in USD:
         from scenarios.formats.usd_import import read_usd  # here, because OpenUSD is in an optional group

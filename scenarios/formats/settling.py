@@ -84,12 +84,13 @@ def _sunk(name: str, brick: Brick, there: Sequence[tuple[str, Brick]]) -> Brick:
             room, below = distance, other
     if room < -OVERLAP:
         raise ImportRefusedError(
-            f"{name} overlaps {below} by {-room * 1e3:.3f} mm from above: raise {name} by this distance"
+            f"{name} overlaps {below} by {-room * 1e3:.3f} mm, more than {OVERLAP * 1e3:g} mm: raise {name} by this "
+            "overlap"
         )
     if room > GAP:
         raise ImportRefusedError(
             f"{name} floats {room * 1e3:.1f} mm above {below}, more than {GAP * 1e3:g} mm: lower {name} by this "
-            "distance, or use a TOML file, which gives the time of each placement"
+            "height, or use a TOML file, which gives the time of each placement"
         )
     return _shifted(brick, np.array([0.0, 0.0, -room])) if math.isfinite(room) else brick
 

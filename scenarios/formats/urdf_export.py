@@ -70,7 +70,8 @@ def _add_geometry(geometry: ET.Element, name: str, body: Brick) -> None:
             ET.SubElement(geometry, "sphere", radius=repr(x / 2))
         case _:
             raise ExportRefusedError(
-                f"{name} is a {name_of(body.shape)}, which URDF describes by a mesh file only: use --mjcf"
+                f"{name} is a {name_of(body.shape)}, which URDF describes by a mesh file only: export the scene as "
+                "MJCF (bench export --mjcf)"
             )
 
 

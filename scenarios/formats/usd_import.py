@@ -42,7 +42,6 @@ def read_usd(path: Path) -> Imported:
 
     Raises:
         ImportRefusedError: if OpenUSD is missing or cannot read the file, or a scene cannot hold a prim or the stage.
-        ValueError: if a mesh's convex hull is too flat, or has more than ``polyhedra.MOST_VERTICES`` vertices.
     """
     if not has_openusd():
         raise ImportRefusedError(MISSING)
@@ -105,8 +104,8 @@ def _ground_height(planes: Sequence[Any], unit: float) -> float:
         heights.append(float(origin[2]) * unit)
         if abs(heights[-1] - heights[0]) > LEVEL:
             raise ImportRefusedError(
-                f"planes '{planes[0].GetPath()}' and '{plane.GetPath()}' have different heights, but a scene has one "
-                "ground: replace one of the planes by a fixed Cube"
+                f"planes '{planes[0].GetPath()}' and '{plane.GetPath()}' have different heights, {heights[0]:.9g} m "
+                f"and {heights[-1]:.9g} m, but a scene has one ground: replace one of the planes by a fixed Cube"
             )
     return heights[0] if heights else 0.0
 
@@ -137,8 +136,8 @@ def _shape(prim: Any, unit: float, mass: float) -> Brick:
     """Return a brick with the shape and the pose of a collider.
 
     Raises:
-        ImportRefusedError: if a brick cannot have the collider's type, shape or scales.
-        ValueError: if a mesh's convex hull is too flat, or has more than ``polyhedra.MOST_VERTICES`` vertices.
+        ImportRefusedError: if a brick cannot have the collider's type, shape or scales, or a mesh's convex hull is too
+            flat or has more than ``polyhedra.MOST_VERTICES`` vertices.
     """
     from pxr import UsdGeom
 
@@ -157,11 +156,14 @@ def _shape(prim: Any, unit: float, mass: float) -> Brick:
                 f"mesh '{prim.GetPath()}' is not convex: replace the mesh by its convex hull, or a fixed mesh by "
                 "convex parts"
             )
-        return polyhedron(points, position=(x, y, z), quaternion=quaternion_of(frame), mass=mass)
+        try:
+            return polyhedron(points, position=(x, y, z), quaternion=quaternion_of(frame), mass=mass)
+        except ValueError as error:
+            raise ImportRefusedError(f"mesh '{prim.GetPath()}': {error}") from error
     if np.ptp(scale) > SKEW * scale.max():
         raise ImportRefusedError(
-            f"'{prim.GetPath()}' has unequal scales {scale}, but only a Cube or a Mesh may have unequal scales: make "
-            "the scales equal"
+            f"'{prim.GetPath()}' has the unequal scales {(scale / unit).round(6).tolist()}, but only a Cube or a Mesh "
+            "may have unequal scales: make the scales equal"
         )
     if prim.IsA(UsdGeom.Sphere):
         radius = float(UsdGeom.Sphere(prim).GetRadiusAttr().Get() * scale[0])
@@ -175,7 +177,8 @@ def _shape(prim: Any, unit: float, mass: float) -> Brick:
             )
             return make(radius, height, position=(x, y, z), quaternion=quaternion_of(turned), mass=mass)
     raise ImportRefusedError(
-        f"'{prim.GetPath()}' is of type {prim.GetTypeName()}: use Cube, Sphere, Capsule, Cylinder or a convex Mesh"
+        f"'{prim.GetPath()}' is of type {prim.GetTypeName() or 'unknown'}: use a Cube, Sphere, Capsule, Cylinder or "
+        "convex Mesh"
     )
 
 
@@ -193,7 +196,7 @@ def _transform(prim: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
     frame = (rows / scale[:, None]).T
     if np.abs(frame.T @ frame - np.eye(3)).max() > SKEW or np.linalg.det(frame) < 0:
         raise ImportRefusedError(
-            f"'{prim.GetPath()}' is skewed or mirrored: use rotations, and positive scales along its own axes"
+            f"'{prim.GetPath()}' is skewed or mirrored: use rotations, and positive scales along the prim's own axes"
         )
     return frame, matrix[3, :3], scale
 

@@ -97,7 +97,7 @@ class Card(NamedTuple):
 def card_house(
     *,
     storeys: Annotated[int, Whole(1, 10)] = 1,
-    theta: Annotated[float, Real(45, 85)] = 72.0,
+    theta: Annotated[float, Real(45, 85, "deg")] = 72.0,
     friction: Friction = MU,
     gap: Gap = 2.0,
     slenderness: Annotated[float, Real(PLANK, 200)] = PLANK,

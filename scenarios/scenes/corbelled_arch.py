@@ -53,7 +53,7 @@ def corbelled_arch(*, courses: Annotated[int, Whole(2, 30)] = 5, margin: Margin 
     if courses * step >= 1:
         least = 1 - 1 / (courses * limit)
         raise ValueError(
-            f"margin must be above {least:.3f} with {courses} courses, got {margin:g}, because with a smaller margin "
+            f"margin must be above {least:.6g} with {courses} courses, got {margin:g}, because otherwise "
             "the sides fall before the capstone's placement: use a larger margin, or fewer courses"
         )
     top_inner_end = (length - 2 * SHARED * length) / 2

@@ -6,8 +6,8 @@ Theory: a single stone slides inward, because the seat's ``SLOPE`` exceeds the a
   symmetry this pressure alone holds all stones. With n stones of weight W, the pressure P between neighbours satisfies
   2 P sin(pi / n) = W tan(slope).
 - Half a ring: the two outer stones have no pressure on one side, and the stones slide inward. Exact statics finds no
-  forces that hold the stones. In engines the stones meet the seats of their neighbours after 20 mm, and may jam there.
-  Therefore half a ring is a study.
+  forces that hold the stones. In engines the stones slide until they meet the seats of their neighbours, where they
+  may jam: after 20 mm for 8 stones and scale 1. Therefore half a ring is a study.
 
 Look for: pressure between the sides arises only when the stones begin to slide. A rule that judges each stone by the
 bodies below the stone freezes half a ring, or never freezes a whole ring.
@@ -61,7 +61,9 @@ def dome_ring(
         actions=(Place(0.0, tuple(_stone(index, stones, scale) for index in range(count)), 0.0),),
         expectation=Expectation("stand", "pressure between the sides alone holds the ring, by symmetry")
         if is_whole
-        else Expectation("study", "the stones slide inward, but meet other seats after 20 mm, where they may jam"),
+        else Expectation(
+            "study", "the stones slide inward, but then meet the seats of their neighbours, where they may jam"
+        ),
         look_for="stones that slide inward in half a ring, and nowhere else",
     )
 

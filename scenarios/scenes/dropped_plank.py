@@ -31,7 +31,7 @@ TIPS = math.hypot(WIDTH / 2, THICKNESS / 2) - THICKNESS / 2
 
 @dynamic_scenario
 def dropped_plank(
-    *, height: Annotated[float, Real(0.5, 1000)] = 3.0, levels: Annotated[int, Whole(2, 100)] = 4
+    *, height: Annotated[float, Real(0.5, 1000, "mm")] = 3.0, levels: Annotated[int, Whole(2, 100)] = 4
 ) -> Plan:
     """Drop a plank on a tower.
 

@@ -8,8 +8,8 @@ gap plus half a width: 12.7 mm. The centre of mass of any upper part of a side l
 line. The planks of two levels overlap by 45.8 mm on either side of this line. Therefore each side alone is in
 equilibrium at any height. Without a gap, the values are 11.7 mm and 46.8 mm.
 
-Look for: every plank has two supports, and its load can pass to either support. First the stack sinks. Then one side
-gives way.
+Look for: every plank has two supports, and its load can pass to either support. If an engine shares loads wrongly
+between the two supports, first the stack sinks, and then one side gives way.
 """
 
 from __future__ import annotations

@@ -72,7 +72,7 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Annotated
 
-from scenarios.formats.read import SUFFIXES, read_file
+from scenarios.formats.read import SDF, SUFFIXES, read_file
 from scenarios.model import (
     CLEARANCE,
     Action,
@@ -105,7 +105,7 @@ def own_scene(
     file: str = "lintel.toml",
     size: Annotated[float, Real(0.01, 100)] = 1.0,
     mass: Annotated[float, Real(1e-3, 1e3)] = 1.0,
-    yaw: Annotated[float, Real(-360, 360)] = 0.0,
+    yaw: Annotated[float, Real(-360, 360, "deg")] = 0.0,
 ) -> Scene:
     """Build a scene of your own from a TOML, MJCF, URDF or USD file.
 
@@ -120,7 +120,10 @@ def own_scene(
     """
     suffixes = (TOML, *SUFFIXES)
     if not isinstance(file, str) or Path(file).suffix.lower() not in suffixes:
-        raise ValueError(f"file must be the name of a file that ends in {', '.join(map(repr, suffixes))}, got {file!r}")
+        known = ", ".join(repr(suffix) for suffix in suffixes if suffix not in SDF)
+        raise ValueError(
+            f"file must be the name of a scene file, got {file!r}: give a file whose name ends in one of {known}"
+        )
     path = Path(file) if Path(file).exists() else EXAMPLES / file
     try:
         is_text = path.suffix.lower() == TOML

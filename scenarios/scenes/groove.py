@@ -53,7 +53,7 @@ LIES_AT = 0.40
 @scenario
 def groove(
     *,
-    tilt: Annotated[float, Real(5, 40)] = 20.0,
+    tilt: Annotated[float, Real(5, 40, "deg")] = 20.0,
     margin: Margin = 0.35,
     body: Annotated[str, Choice("bar", "wedge", "cylinder")] = "bar",
 ) -> Plan:

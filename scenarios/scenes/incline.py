@@ -46,11 +46,11 @@ LIES_AT = {"upper": 0.20, "lower": 0.06}
 @scenario
 def incline(
     *,
-    theta: Annotated[float, Real(5, 30)] = 20.0,
+    theta: Annotated[float, Real(5, 30, "deg")] = 20.0,
     margin: Margin = 0.15,
     half: Annotated[str, Choice(*LIES_AT)] = "upper",
-    heading: Annotated[float, Real(0, 90)] = 0.0,
-    turn: Annotated[float, Real(0, 90)] = 0.0,
+    heading: Annotated[float, Real(0, 90, "deg")] = 0.0,
+    turn: Annotated[float, Real(0, 90, "deg")] = 0.0,
 ) -> Plan:
     """Build a tile on a ramp.
 

@@ -48,7 +48,7 @@ def jenga(
     levels: Annotated[int, Whole(LOWEST + 1, 100)] = 6,
     left: Annotated[str, Choice("middle", "side")] = "middle",
     robbed: Annotated[int, Whole(1, 49)] = 1,
-    speed: Annotated[float, Real(0, 1)] = 0.0,
+    speed: Annotated[float, Real(0, 1, "m/s")] = 0.0,
     gap: Gap = 2.0,
 ) -> Plan:
     """Build levels of three planks, each across the level below, then take two planks from one or more levels.

@@ -49,8 +49,8 @@ def leaning_drums(
     """
     if margin <= -1 / (drums - 1):
         raise ValueError(
-            f"margin must be above {-1 / (drums - 1):.3f} with {drums} drums, got {margin:g}, because with a smaller "
-            "margin the column falls before its last drum: use a larger margin, or fewer drums"
+            f"margin must be above {-1 / (drums - 1):.6g} with {drums} drums, got {margin:g}, because otherwise the "
+            "column falls before the placement of its last drum: use a larger margin, or fewer drums"
         )
     step = (1 - margin) * 2 * RADIUS * scale / drums
     column = [

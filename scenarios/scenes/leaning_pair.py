@@ -21,7 +21,7 @@ from scenarios.scenes.card_house import expected
 
 
 @dynamic_scenario
-def leaning_pair(*, theta: Annotated[float, Real(30, 88)] = 75.0, friction: Friction = 0.3) -> Plan:
+def leaning_pair(*, theta: Annotated[float, Real(30, 88, "deg")] = 75.0, friction: Friction = 0.3) -> Plan:
     """Build two planks that lean against each other, at rest.
 
     Args:

@@ -36,7 +36,9 @@ RISE, RISE_S = 0.1, 2.0
 
 
 @dynamic_scenario
-def lifted_tower(*, angle: Annotated[float, Real(0.0, 45.0)] = 28.0, levels: Annotated[int, Whole(1, 6)] = 3) -> Plan:
+def lifted_tower(
+    *, angle: Annotated[float, Real(0.0, 45.0, "deg")] = 28.0, levels: Annotated[int, Whole(1, 6)] = 3
+) -> Plan:
     """Build a tower of planks on a platform that lifts the tower and then tilts it.
 
     Args:

@@ -44,7 +44,7 @@ WATCH_S = 5.0
 def mould(
     *,
     bricks: Annotated[int, Whole(2, 500)] = 60,
-    strike: Annotated[float, Real(0, 10)] = 0.0,
+    strike: Annotated[float, Real(0, 10, "m/s")] = 0.0,
     friction: Friction = MU,
     draw: Annotated[int, Whole(0, 10**9)] = 1,
 ) -> Plan:

@@ -32,7 +32,7 @@ WATCH_S = 10.0
 def poured_pile(
     *,
     bricks: Annotated[int, Whole(2, 1000)] = 80,
-    height: Annotated[float, Real(0.5, 1000)] = 30.0,
+    height: Annotated[float, Real(0.5, 1000, "mm")] = 30.0,
     friction: Friction = MU,
     draw: Annotated[int, Whole(0, 10**9)] = 1,
     line: Annotated[float, Real(0, 50)] = 0.0,

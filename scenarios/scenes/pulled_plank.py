@@ -28,7 +28,9 @@ WAY = 1.2 * LENGTH
 
 
 @dynamic_scenario
-def pulled_plank(*, speed: Annotated[float, Real(0.01, 20)] = 0.1, levels: Annotated[int, Whole(3, 100)] = 4) -> Plan:
+def pulled_plank(
+    *, speed: Annotated[float, Real(0.01, 20, "m/s")] = 0.1, levels: Annotated[int, Whole(3, 100)] = 4
+) -> Plan:
     """Pull the plank below the topmost plank out of a tower, along its length.
 
     Args:

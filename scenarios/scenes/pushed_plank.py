@@ -30,7 +30,9 @@ the answer is known, because engines apply friction in steps, and a real plank y
 
 
 @dynamic_scenario
-def pushed_plank(*, slide: Annotated[float, Real(0.1, 1000)] = 4.0, levels: Annotated[int, Whole(2, 100)] = 4) -> Plan:
+def pushed_plank(
+    *, slide: Annotated[float, Real(0.1, 1000, "mm")] = 4.0, levels: Annotated[int, Whole(2, 100)] = 4
+) -> Plan:
     """Strike the topmost plank of a tower along its length.
 
     Args:

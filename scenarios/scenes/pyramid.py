@@ -19,7 +19,7 @@ from scenarios.scenario import Plan, scenario
 
 
 @scenario
-def pyramid(*, rows: Annotated[int, Whole(1, 30)] = 4, gap: Annotated[float, Real(0, 90)] = 58.5) -> Plan:
+def pyramid(*, rows: Annotated[int, Whole(1, 30)] = 4, gap: Annotated[float, Real(0, 90, "mm")] = 58.5) -> Plan:
     """Build rows of planks, each row one plank shorter and across the gaps of the row below.
 
     Args:

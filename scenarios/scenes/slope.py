@@ -31,7 +31,7 @@ RAMP = (0.30, 0.12, 0.02)
 @dynamic_scenario
 def slope(
     *,
-    theta: Annotated[float, Real(1, 40)] = 20.0,
+    theta: Annotated[float, Real(1, 40, "deg")] = 20.0,
     friction: Friction = 0.6,
     ratio: Annotated[float, Real(0.1, 10)] = 0.2,
 ) -> Plan:

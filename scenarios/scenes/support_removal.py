@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Annotated
 
+from scenarios.lookup import one_of
 from scenarios.model import Action, Expectation, Place, Remove, Scene, World
 from scenarios.parameters import Choice, Gap, Real
 from scenarios.planks import GAP, MU, box, one_a_second
@@ -68,7 +69,7 @@ def robbed_stack(
     stack: Annotated[str, Choice(*STACKS)] = "four_stack",
     taken: Annotated[str, Choice("load", "support")] = "load",
     gap: Gap = 2.0,
-    pause: Annotated[float, Real(1, 100)] = PAUSE_S,
+    pause: Annotated[float, Real(1, 100, "s")] = PAUSE_S,
 ) -> Plan:
     """Build a stack that stands, then remove the topmost load, or a support of the lowest level.
 
@@ -84,10 +85,10 @@ def robbed_stack(
     """
     robbery = STACKS[stack]
     if gap != robbed_stack.defaults["gap"] and not robbery.has_gap:
-        with_gap = ", ".join(name for name, one in STACKS.items() if one.has_gap)
+        with_gap = one_of(name for name, one in STACKS.items() if one.has_gap)
         raise ValueError(
-            f"parameter 'gap' applies only to the stacks {with_gap}, got gap = {gap:g} with stack = '{stack}', "
-            "whose gap is fixed: leave out 'gap'"
+            f"parameter 'gap' applies only if stack is {with_gap}, got gap = {gap:g} mm with stack = '{stack}', whose "
+            "gap is fixed: leave out 'gap'"
         )
     plain = robbery.build(gap=gap) if robbery.has_gap else robbery.build()
     built = _raised(plain, max(0.0, GAP - gap * 1e-3)) if robbery.is_raised else plain

@@ -22,7 +22,9 @@ PAUSE_S = 2.0
 
 
 @dynamic_scenario
-def tilted_ground(*, angle: Annotated[float, Real(0.1, 45.0)] = 28.0, levels: Annotated[int, Whole(1, 6)] = 4) -> Plan:
+def tilted_ground(
+    *, angle: Annotated[float, Real(0.1, 45.0, "deg")] = 28.0, levels: Annotated[int, Whole(1, 6)] = 4
+) -> Plan:
     """Build a tower of planks on ground that tilts: gravity turns.
 
     Args:

@@ -38,7 +38,7 @@ FRICTION = 0.9
 
 
 @dynamic_scenario
-def tipping_post(*, beyond: Annotated[float, Real(0.01, 5.0)] = 0.2) -> Plan:
+def tipping_post(*, beyond: Annotated[float, Real(0.01, 5.0, "deg")] = 0.2) -> Plan:
     """Build a post that leans on its lower edge beyond its balance.
 
     Args:

@@ -35,7 +35,9 @@ plank, or an edge that yields, may shift by tenths of a millimetre."""
 
 
 @dynamic_scenario
-def trapdoor(*, beyond: Annotated[float, Real(-40.0, 40.0)] = 10.0, levels: Annotated[int, Whole(1, 10)] = 3) -> Plan:
+def trapdoor(
+    *, beyond: Annotated[float, Real(-40.0, 40.0, "mm")] = 10.0, levels: Annotated[int, Whole(1, 10)] = 3
+) -> Plan:
     """Build planks across a table and a trapdoor, then drop the door.
 
     Args:

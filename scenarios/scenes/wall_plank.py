@@ -41,7 +41,7 @@ HEAVY = 100 * MASS
 def wall_plank(
     *,
     held_by: Annotated[int, Whole(2, 4)] = 2,
-    theta: Annotated[float, Real(50, 80)] = 65.0,
+    theta: Annotated[float, Real(50, 80, "deg")] = 65.0,
     margin: Margin = 0.15,
     gap: Gap = 2.0,
 ) -> Plan:

@@ -153,8 +153,8 @@ def _on_ground(boxes: Boxes, thin: FloatArray, bricks: int, tolerance: Tolerance
         heights = boxes.corners[index, :, 2]
         if heights.min() < -tolerance.touch * thin[index]:
             raise ValueError(
-                f"brick {index} must lie at or above z = 0, but is {-heights.min():g} m below the ground: raise the "
-                "brick"
+                f"brick {index} must lie at or above z = 0, but is {-heights.min():g} m below the ground: raise "
+                f"brick {index} by this depth"
             )
         points = boxes.corners[index][heights <= tolerance.touch * thin[index]]
         patches.append(Patch(GROUND, index, points, np.array([0.0, 0.0, 1.0])))

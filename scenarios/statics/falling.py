@@ -90,8 +90,8 @@ def _first_accelerations(bricks: Sequence[Brick], world: World, gyration: FloatA
     motion = (scale @ (load + contact @ forces) * corners.unit).reshape(-1, 6)
     if not np.abs(motion).max() > _STILL * np.linalg.norm(world.gravity):
         raise ValueError(
-            "bricks must include a brick that falls, but no brick moves: call fall_time only for bricks that "
-            "cannot stand"
+            f"the {len(bricks)} bricks must include a brick that falls, but no brick moves: call fall_time only for "
+            "bricks that cannot stand"
         )
     return motion[:, :3], motion[:, 3:] / length
 

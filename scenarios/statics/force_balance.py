@@ -144,7 +144,8 @@ class Balance:
         found = linprog(cost, A_eq=wrenches, b_eq=-self._corners.load, method="highs", options=SOLVER)
         if found.x is None:
             raise ArithmeticError(
-                f"HiGHS must solve this elastic linear program, but failed ({found.message}): report the scene as a bug"
+                f"HiGHS failed to solve the elastic linear program of {self._corners.bodies} bodies ({found.message}): "
+                "report the scene as a bug of the suite"
             )
         forces = np.einsum("pk,pkd->pd", found.x[:count].reshape(edges.shape[:2]), edges)
         motion = -found.eqlin.marginals.reshape(self._corners.bodies, 6)

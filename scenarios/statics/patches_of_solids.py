@@ -99,6 +99,7 @@ def _on_ground(index: int, solid: Solid, tolerance: Tolerance) -> Patch | None:
         return None
     if height < -gap:
         raise ValueError(
-            f"brick {index} must lie at or above z = 0, but is {-height:g} m below the ground: raise the brick"
+            f"brick {index} must lie at or above z = 0, but is {-height:g} m below the ground: raise brick {index} by "
+            "this depth"
         )
     return Patch(GROUND, index, solid.feature(_DOWN, gap), -_DOWN)

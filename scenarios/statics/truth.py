@@ -102,7 +102,8 @@ def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
         if statics.verdict == "doubt":
             raise UndecidedError(
                 f"{scene.variant}: statics must decide every state of the scene, but is in doubt after {placed} placed "
-                f"bricks ({statics.why}): change the scene, or give the scene the outcome 'study'"
+                f"{'brick' if placed == 1 else 'bricks'} ({statics.why}): change the scene, or give the scene the "
+                "outcome 'study'"
             )
         if not statics.stable:
             return level
@@ -152,22 +153,23 @@ def _judge(bricks: Sequence[Brick], patches: Sequence[Patch], world: World, wall
 def check_pile(bricks: Sequence[Brick], walls: Sequence[Brick], world: World) -> None:
     """Raise ``ValueError`` unless bricks, walls and world are valid; the message names the fault."""
     if not bricks:
-        raise ValueError("bricks must contain at least one brick to judge, got none: pass the bricks in place")
+        raise ValueError("bricks must contain at least one brick to judge, got no brick: pass the bricks in place")
     for index, brick in enumerate([*bricks, *walls]):
+        name = f"brick {index}" if index < len(bricks) else f"wall {index - len(bricks)}"
         if not np.isfinite([*brick.size, brick.mass, *brick.position, *brick.quaternion]).all():
-            raise ValueError(
-                f"brick {index} must have finite numbers only, got {brick}: replace NaN and inf (the numbers of walls "
-                "follow the numbers of bricks)"
-            )
+            raise ValueError(f"{name} must have finite numbers only, got {brick}: replace NaN and inf by numbers")
         if min(*brick.size, brick.mass) <= 0:
             raise ValueError(
-                f"brick {index} must have positive edges and mass, got {brick.size} m, {brick.mass} kg: give numbers "
-                "above 0 (the numbers of walls follow the numbers of bricks)"
+                f"{name} must have positive edges and mass, got {brick.size} m and {brick.mass} kg: give "
+                "numbers above 0"
             )
         check_solid(brick)
     if not (np.isfinite(world.gravity).all() and any(world.gravity)):
         raise ValueError(
-            f"gravity must be finite and not zero, got {world.gravity}: give a vector such as (0, 0, -9.81)"
+            f"gravity must be finite and not zero, got {world.gravity} m/s2: give a vector such as (0, 0, -9.81)"
         )
     if not (np.isfinite(world.friction) and world.friction >= 0):
-        raise ValueError(f"friction must be finite and not negative, got {world.friction}: give a coefficient from 0")
+        raise ValueError(
+            f"the world's coefficient of friction must be finite and not negative, got {world.friction}: give 0 or a "
+            "positive number"
+        )

@@ -135,7 +135,7 @@ def _checked(contacts: Contacts, masses: Masses) -> tuple[IntArray, IntArray]:
     if len(kinematic):
         raise ValueError(
             f"masses row {kinematic[0]}: body {masses.body[kinematic[0]]} must have a finite mass, got inf: remove "
-            f"this row, and replace the id of the body in the contacts by the id {GROUND} of the ground"
+            f"the row, and replace the id of the body in the contacts by the id {GROUND} of the ground"
         )
     order = np.argsort(masses.body, kind="stable")
     listed = masses.body[order]

@@ -125,7 +125,8 @@ def _module(name: str) -> ModuleType:
         if error.name != ENGINES[name]:
             raise
         raise ImportError(
-            f"the port to {name} needs the package {ENGINES[name]}: pip install 'stability-core[{name}]'"
+            f"the port to {name} needs the package {ENGINES[name]}: install the package with pip install "
+            f"'stability-core[{name}]'"
         ) from error
 
 
@@ -138,4 +139,6 @@ def __getattr__(name: str) -> ModuleType:
     """
     if name in ENGINES:
         return _module(name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}: use one of the ports {', '.join(ENGINES)}")
+    *others, last = ENGINES
+    ports = f"{', '.join(others)} or {last}"
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}: use one of the ports {ports}")

@@ -110,6 +110,6 @@ def _node_of(body: Any) -> Any:
     if count != 1:
         raise ValueError(
             f"the skeleton {body.getName()!r} has {count} bodies: list free bodies only, because the extension leaves "
-            "robots alone; to ask about a link, pass its body node"
+            "robots alone; to ask about a link, pass the link's body node"
         )
     return body.getBodyNode(0)

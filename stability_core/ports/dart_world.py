@@ -54,8 +54,9 @@ class DartWorld(FreeBodyWorld):
         count = self._world.getConstraintSolver().getNumConstraints()
         if self._takes_all and count:
             raise ValueError(
-                f"this DART world has {count} constraints between bodies, and DART does not say which bodies: pass the "
-                "free bodies, attach(world, bodies=[...]), because the extension does not know the forces of joints"
+                f"this DART world has constraints between bodies (count {count}), and DART does not say which bodies: "
+                "pass the free bodies, attach(world, bodies=[...]), because the extension does not know the forces of "
+                "joints"
             )
 
     def has_changed(self) -> bool:
@@ -104,11 +105,13 @@ class DartWorld(FreeBodyWorld):
         if skeleton.getNumBodyNodes() > 1 or not isinstance(joint, FreeJoint):
             return f"{name} has joints: list free bodies only, because the extension leaves robots alone"
         if not skeleton.isMobile():
-            return f"{name} is immobile, so that it cannot fall: call setMobile(True), or leave it out"
+            return f"{name} is immobile, so that it cannot fall: call setMobile(True), or leave out the body"
         if joint.getActuatorType() not in _BY_FORCES:
-            return f"{name} has an actuator, which drives its joint: leave it out, or set ActuatorType.FORCE"
+            return f"{name} has an actuator, which drives its joint: leave out the body, or set ActuatorType.FORCE"
         if not node.getGravityMode():
-            return f"{name} has no gravity, so that it stands by itself: leave it out, or call setGravityMode(True)"
+            return (
+                f"{name} has no gravity, so that it stands by itself: leave out the body, or call setGravityMode(True)"
+            )
         return None
 
     def mass(self, body: int) -> float:

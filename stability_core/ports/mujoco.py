@@ -147,9 +147,9 @@ class MujocoPort:
             )
         if not math.isfinite(self.data.qpos.sum() + self.data.qvel.sum()):
             raise ValueError(
-                "this MuJoCo simulation has a pose or a velocity that is not finite, because the simulation has "
-                "diverged or the program has set the value: use a smaller timestep or softer contacts, or correct the "
-                "value"
+                f"body {self._not_finite()!r} of this MuJoCo simulation has a pose or a velocity that is not finite, "
+                "because the simulation has diverged or the program has set the value: use a smaller timestep or "
+                "softer contacts, or correct the value"
             )
         turned = [body for body, turn in self._turns.items() if abs(self.data.xquat[body] - turn).max() > _TURNED]
         self._turns = {body: self.data.xquat[body].copy() for body in self._obstacles}
@@ -270,6 +270,17 @@ class MujocoPort:
             return {}
         return {body: free for body, free in self._frozen.items() if free.has_left_ghost(_MOVED)}
 
+    def _not_finite(self) -> str | int:
+        """Return the name, or the id without a name, of the first body with a velocity or pose that is not finite."""
+        model, data = self.model, self.data
+        is_bad = ~np.isfinite(data.qvel)
+        if is_bad.any():
+            body = int(model.dof_bodyid[is_bad.argmax()])
+        else:
+            joint = np.searchsorted(model.jnt_qposadr, (~np.isfinite(data.qpos)).argmax(), side="right") - 1
+            body = int(model.jnt_bodyid[joint])
+        return model.body(body).name or body
+
     def _checked(self, name: int | str) -> int:
         """Return the id of a body that the port can control and does not control yet.
 
@@ -284,7 +295,7 @@ class MujocoPort:
                 f"one of {', '.join(map(repr, names))}"
             )
         if body in self._live or body in self._frozen:
-            raise ValueError(f"the port controls body {name!r} already: list each body once")
+            raise ValueError(f"the port controls body {name!r} already: list each body once, in attach() or in add()")
         return body
 
     def _note(self, body: int) -> None:

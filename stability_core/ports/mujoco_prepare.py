@@ -74,8 +74,9 @@ def _checked(spec: Spec, name: str) -> Any:
     """
     body = spec.body(name)
     if body is None:
-        known = ", ".join(repr(body.name) for body in _free_bodies(spec)) or "none"
-        raise ValueError(f"this model has no body {name!r}: pass names of bodies that can freeze: {known}")
+        known = ", ".join(repr(body.name) for body in _free_bodies(spec))
+        fix = f"pass names of bodies that can freeze: {known}" if known else "add the body, with a free joint"
+        raise ValueError(f"this model has no body {name!r}: {fix}")
     reason = _reason_against(spec, body)
     if reason:
         raise ValueError(f"body {name!r} {reason}")
@@ -89,13 +90,15 @@ def _reason_against(spec: Spec, body: Any) -> str | None:
     if body.bodies:
         return "carries other bodies: prepare bodies without bodies below them"
     if not any(geom.contype or geom.conaffinity for geom in body.geoms):
-        return "collides with nothing: give one of its geoms a contype or a conaffinity"
+        return "collides with nothing: give one of its geoms a contype or a conaffinity above 0"
     names = {geom.name for geom in body.geoms if geom.name}
     if any(pair.geomname1 in names or pair.geomname2 in names for pair in spec.pairs):
-        return "has a geom in an explicit contact pair: delete the <pair>, because it acts also on the frozen body"
+        return (
+            "has a geom in an explicit contact pair: delete the <pair>, because the pair acts also on the frozen body"
+        )
     tied = {equality.name1 for equality in spec.equalities} | {equality.name2 for equality in spec.equalities}
     if body.name and body.name in tied:
-        return "has an equality constraint: delete the constraint, because it would pull the frozen body"
+        return "has an equality constraint: delete the constraint, because the constraint would pull the frozen body"
     return None
 
 

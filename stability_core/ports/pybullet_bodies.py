@@ -93,10 +93,10 @@ class PybulletBodies:
         if body not in present:
             raise ValueError(
                 f"PyBullet client {self._client} has no body {body}: pass ids that createMultiBody or loadURDF "
-                f"returned, among {present}"
+                f"returned; the client has the bodies {present}"
             )
         if body in self.live or body in self.frozen:
-            raise ValueError(f"the port controls body {body} already: list each body once")
+            raise ValueError(f"the port controls body {body} already: list each body once, in attach() or in add()")
         reason = self.reason_against(body)
         if reason:
             raise ValueError(f"body {body} {reason}")

@@ -2,7 +2,8 @@
 
 ``freeze`` stops the body, and sets its mass to 0 and its activation state to asleep. The body is then static:
 no step of Bullet changes a bit of its pose, and Bullet does not collide two frozen bodies. ``unfreeze`` restores the
-mass. Bullet then computes inertia and gravity again.
+mass. Bullet then computes the inertia again from the shape. The body keeps the gravity from before the freeze until the
+next ``setGravity``.
 """
 
 from __future__ import annotations

@@ -130,11 +130,13 @@ class PymunkBodies:
             ValueError: if the body is not in the space, cannot freeze, or is under control already.
         """
         if not isinstance(planar, pymunk.Body):
-            raise TypeError(f"the port to pymunk controls pymunk.Body, got {type(planar).__name__}: pass bodies")
+            raise TypeError(
+                f"the port to pymunk controls pymunk.Body, got {type(planar).__name__}: pass bodies, such as shape.body"
+            )
         if planar.space is not self._space:
             raise ValueError(f"{planar} is not in this space: call space.add(body, shape) first")
         if planar in self.live or planar in self.frozen or planar in self._listed - self._left_out:
-            raise ValueError(f"the port controls {planar} already: list each body once")
+            raise ValueError(f"the port controls {planar} already: list each body once, in attach() or in add()")
         reason = self.reason_against(planar)
         if reason:
             raise ValueError(f"{planar} {reason}")

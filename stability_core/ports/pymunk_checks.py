@@ -27,7 +27,7 @@ def check_awake(space: pymunk.Space) -> None:
     """Raise ``ValueError`` if Chipmunk's own sleeping is on."""
     if space.sleep_time_threshold < math.inf:
         raise ValueError(
-            f"this space puts bodies to sleep by itself after {space.sleep_time_threshold:g} s, which hides their "
+            f"this pymunk space puts bodies to sleep after {space.sleep_time_threshold:g} s, which hides the bodies' "
             "contacts: set space.sleep_time_threshold = float('inf'), because the extension freezes bodies"
         )
 

@@ -136,15 +136,17 @@ class RapierWorld(FreeBodyWorld):
         if self._has_joints(body):
             return "has joints: list free bodies only, because the extension does not know the forces of joints"
         if view.gravity_scale != 1.0:
-            return "has a gravity_scale other than 1: leave it out, or set gravity_scale = 1.0"
+            return "has a gravity_scale other than 1: leave out the body, or set gravity_scale = 1.0"
         if view.locked_axes.bits:
-            return "has locked axes: leave it out, or set locked_axes = rapier3d.LockedAxes.empty()"
+            return "has locked axes: leave out the body, or set locked_axes = rapier3d.LockedAxes.empty()"
         if not view.is_enabled:
-            return "is disabled: leave it out, or set is_enabled = True after you fix the cause"
+            return "is disabled: leave out the body, or set is_enabled = True after you fix the cause"
         if view.mass <= 0.0:
             return "has no mass: give its collider a density or a mass"
         if any(collider.contact_skin for collider in self._bodies.colliders_of(body)):
-            return "has a collider with a skin, which touches across a gap: leave it out, or set contact_skin = 0.0"
+            return (
+                "has a collider with a skin, which touches across a gap: leave out the body, or set contact_skin = 0.0"
+            )
         return None
 
     def mass(self, body: int) -> float:

@@ -128,9 +128,9 @@ class SapienWorld(FreeBodyWorld):
         if self._note_parents(part) or body in self._parents:
             return "has joints: list free bodies only, because the extension does not know the forces of joints"
         if part.disable_gravity:
-            return "has disable_gravity set, so that it stands by itself: leave it out, or set disable_gravity = False"
+            return "has disable_gravity set and stands by itself: leave out the body, or set disable_gravity = False"
         if any(part.locked_motion_axes):
-            return "has locked axes: leave it out, or call set_locked_motion_axes([False] * 6)"
+            return "has locked axes: leave out the body, or call set_locked_motion_axes([False] * 6)"
         return None
 
     def mass(self, body: int) -> float:

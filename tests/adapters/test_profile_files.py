@@ -82,7 +82,7 @@ def test_a_file_is_read_with_its_shared_knobs(tmp_path) -> None:
         (('{ value = 0.4, reason = "seats in a second" }', "0.4"), "shared.stiff.erp must be a table, got 0.4"),
         (
             ("value = 0.4", "valeu = 0.4"),
-            "shared.stiff.erp: unknown key 'valeu'; use one of: value, reason, follows_world",
+            "shared.stiff.erp: unknown key 'valeu'; use one of value, reason or follows_world",
         ),
         (("follows_world = true", "follows_world = 1"), "knobs.margin.follows_world must be true or false, got 1"),
         (("value = 1e-3", "value = 'thin'"), "knobs.margin.follows_world needs a 'value' that is a length, got 'thin'"),
@@ -92,7 +92,7 @@ def test_a_file_is_read_with_its_shared_knobs(tmp_path) -> None:
         ),
         (("substeps = 4", "substeps = 0"), "profiles.default.substeps must be a whole number of steps per frame"),
         (("substeps = 4", "substeps = true"), "profiles.default.substeps must be a whole number of steps per frame"),
-        (("substeps = 4", "steps = 4"), "profiles.default: unknown key 'steps'; use one of: description, substeps,"),
+        (("substeps = 4", "steps = 4"), "profiles.default: unknown key 'steps'; use one of description, substeps,"),
         (("frame_s = 0.02", "frame_s = 20.0"), "profiles.game.frame_s must be a time in seconds, between 0 and 1"),
         (
             ('description = "cheap"', ""),
@@ -104,7 +104,11 @@ def test_a_file_is_read_with_its_shared_knobs(tmp_path) -> None:
         ),
         (
             ('shared = ["stiff"]', 'shared = ["soft"]'),
-            "profiles.game.shared must be a list of names of tables [shared.NAME], got 'soft'; use one of: stiff",
+            "profiles.game.shared must be a list of names of tables [shared.NAME], got 'soft'; use stiff, in quotes",
+        ),
+        (
+            ('shared = ["stiff"]', "shared = 5"),
+            "profiles.game.shared must be a list of names of tables [shared.NAME], got 5; use stiff, in quotes",
         ),
         (
             ('shared = ["stiff"]', ""),
@@ -114,8 +118,8 @@ def test_a_file_is_read_with_its_shared_knobs(tmp_path) -> None:
             ("[profiles.default]", "[profiles.shipped]\ntuned_by = 'us'"),
             "the table [profiles.default] is missing; add this table",
         ),
-        (("[sleeping.off]", "[sleeping.never]"), "sleeping: unknown key 'never'; use one of: off, native, raised"),
-        (("[sleeping.off]", "[asleep.off]"), "the file: unknown key 'asleep'; use one of: shared, profiles, sleeping"),
+        (("[sleeping.off]", "[sleeping.never]"), "sleeping: unknown key 'never'; use one of off, native or raised"),
+        (("[sleeping.off]", "[asleep.off]"), "the file: unknown key 'asleep'; use one of shared, profiles or sleeping"),
         (("[profiles.default]", "[profiles.default"), "not valid TOML: "),
     ],
 )

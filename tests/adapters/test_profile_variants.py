@@ -80,7 +80,10 @@ def test_a_value_that_makes_no_sense_is_refused(profile: str, message: str) -> N
 
 
 def test_a_misspelt_knob_is_refused() -> None:
-    with pytest.raises(UnknownNameError, match="unknown variation of a profile 'contactErp'"):
+    with pytest.raises(
+        UnknownNameError,
+        match=r"variation of a profile of engine 'bullet' 'contactErp'.*'contactERP'.* Use one of scale, .*contactERP",
+    ):
         profile_named("bullet", "game@contactErp=0.2")
 
 

@@ -118,8 +118,12 @@ def test_iterations_are_those_of_the_engines_own_solver(engine: str) -> None:
     ("name", "error", "message"),
     [
         ("gam@scale=10", UnknownNameError, "unknown profile of engine bullet 'gam'; did you mean 'game'?"),
-        ("game@scal=10", UnknownNameError, "unknown variation of a profile 'scal'; did you mean 'scale'?"),
-        ("game@", UnknownNameError, "unknown variation of a profile ''"),
+        (
+            "game@scal=10",
+            UnknownNameError,
+            "unknown variation of a profile of engine 'bullet' 'scal'; did you mean 'scale'?",
+        ),
+        ("game@", UnknownNameError, "unknown variation of a profile of engine 'bullet' ''"),
         ("game@scale=0", ProfileError, "profile 'game@scale=0': scale must be a positive, finite number, got '0'"),
         ("game@scale=nan", ProfileError, "scale must be a positive, finite number, got 'nan'"),
         ("game@substeps=2.5", ProfileError, "substeps must be a whole number from 1, got '2.5'"),

@@ -185,7 +185,7 @@ def test_thin_cards_of_scisims_scene_stand() -> None:
 
 
 def test_an_unknown_cone_is_refused() -> None:
-    with pytest.raises(ValueError, match="the knob 'cone' must be one of box, disc, got 'ring'"):
+    with pytest.raises(ValueError, match="the knob 'cone' must be box or disc, got 'ring'"):
         open_engine("staggered", "game@cone=ring")
 
 

@@ -141,7 +141,7 @@ def test_a_pair_has_the_geometric_mean_of_both_frictions() -> None:
         (Brick((0.1, 0.2, 0.3), 1.0, HERE, shape="cylinder"), "scenarios.solids.cylinder"),
         (Brick((0.1, 0.1, 0.3), 1.0, HERE, shape="sphere"), "scenarios.solids.sphere"),
         (Brick((0.2, 0.2, 0.1), 1.0, HERE, shape="capsule"), "use a sphere"),
-        (Brick((0.1, 0.1, 0.1), 1.0, HERE, shape="cone"), "one of box, cylinder"),  # type: ignore[arg-type]
+        (Brick((0.1, 0.1, 0.1), 1.0, HERE, shape="cone"), "one of box, cylinder, capsule or sphere"),  # type: ignore[arg-type]
         (Brick((0.1, 0.1, 0.1), 1.0, HERE, friction=-0.1), "friction"),
         (Brick((0.1, 0.1, 0.1), 1.0, HERE, restitution=1.5), "restitution"),
         (Brick((0.1, 0.1, 0.1), 1.0, HERE, moments=(1.0, 1.0, 2.5)), "no body has"),
@@ -160,8 +160,8 @@ def test_a_wrong_shape_is_refused_with_its_fix(brick: Brick, fix: str) -> None:
     ("points", "what"),
     [
         ([(0, 0, 0), (1, 0, 0), (0, 1, 0)], "at least 4 vertices"),
-        ([(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)], "one plane"),
-        ([(0, 0, 0)] * 5, "one plane"),
+        ([(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)], "0 m thick and at most 1 m long"),
+        ([(0, 0, 0)] * 5, "enclose a volume|0 m thick"),
         ([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1e-4)], "thickness is at least"),
     ],
 )

@@ -438,7 +438,7 @@ def test_frames_in_which_nothing_is_live_are_frames_without_contacts(port):
 
 def test_unknown_policy_names_the_nearest():
     with pytest.raises(
-        UnknownNameError, match=r"unknown policy 'papr'; did you mean 'paper'\? Available: paper, at_rest"
+        UnknownNameError, match=r"unknown policy 'papr'; did you mean 'paper'\? Use one of: paper, at_rest"
     ):
         StabilityExtension(None, "papr")  # type: ignore[arg-type]
 

@@ -47,37 +47,43 @@ def read_tables(content: Mapping[str, Any], name: str, *, least: int, most: int)
     """
     tables = content.get(name, [])
     is_list = isinstance(tables, list) and all(isinstance(table, dict) for table in tables)
-    if not is_list or not least <= len(tables) <= most:
+    if not is_list:
         raise ValueError(
-            f"the file must contain {least} to {most} tables [[{name}]], got "
-            f"{len(tables) if is_list else repr(tables)}: add or remove tables, each with the header [[{name}]]"
+            f"'{name}' must be a list of tables, got {tables!r}: write each table with a header [[{name}]]"
+        )
+    if not least <= len(tables) <= most:
+        fix = "add" if len(tables) < least else "remove"
+        raise ValueError(
+            f"the file must contain {least} to {most} tables [[{name}]], got {len(tables)}: {fix} tables [[{name}]]"
         )
     return list(tables)
 
 
-def read_number(name: str, value: object, least: float, most: float) -> float:
-    """Return the number in the required field ``name``.
+def read_number(name: str, value: object, least: float, most: float, unit: str = "") -> float:
+    """Return the number in the required field ``name``; the message of an error gives the range with its ``unit``.
 
     Raises:
         ValueError: if ``value`` is None (the field is missing), or no number from ``least`` to ``most``.
     """
     if value is None:
-        raise ValueError(f"{name} is missing: add a number from {least:g} to {most:g}")
-    return Real(least, most).check(name, value)
+        raise ValueError(f"{name} is missing: add a number from {least:g} to {most:g}{unit and f' {unit}'}")
+    return Real(least, most, unit).check(name, value)
 
 
-def read_numbers(name: str, value: object, count: int, least: float, most: float = LARGEST) -> tuple[float, ...]:
-    """Return the list of ``count`` numbers from ``least`` to ``most`` in the required field ``name``.
+def read_numbers(
+    name: str, value: object, count: int, least: float, most: float = LARGEST, unit: str = "m"
+) -> tuple[float, ...]:
+    """Return the list of ``count`` numbers from ``least`` to ``most``, with this ``unit``, in the field ``name``.
 
     Raises:
         ValueError: if ``value`` is None (the field is missing), or no list of ``count`` numbers in this range.
     """
-    wanted = f"a list of {count} numbers from {least:g} to {most:g}"
+    wanted = f"a list of {count} numbers from {least:g} to {most:g}{unit and f' {unit}'}"
     if value is None:
         raise ValueError(f"{name} is missing: add {wanted}")
     if not isinstance(value, list) or len(value) != count:
-        raise ValueError(f"{name} must be {wanted}, got {value!r}: correct the list")
-    return tuple(read_number(f"{name}[{k}]", part, least, most) for k, part in enumerate(value))
+        raise ValueError(f"{name} must be {wanted}, got {value!r}: write {count} numbers in square brackets")
+    return tuple(read_number(f"{name}[{k}]", part, least, most, unit) for k, part in enumerate(value))
 
 
 def read_brick(name: str, table: Mapping[str, Any]) -> Brick:
@@ -89,10 +95,10 @@ def read_brick(name: str, table: Mapping[str, Any]) -> Brick:
     """
     brick = _solid(name, table, FIELDS)
     if "density" not in table:
-        return replace(brick, mass=read_number(f"{name}.mass", table.get("mass"), 1e-6, _HEAVIEST))
+        return replace(brick, mass=read_number(f"{name}.mass", table.get("mass"), 1e-6, _HEAVIEST, "kg"))
     if "mass" in table:
         raise ValueError(f"{name} must have mass or density, got both: delete mass or density")
-    density = read_number(f"{name}.density", table["density"], 1e-3, _DENSEST)
+    density = read_number(f"{name}.density", table["density"], 1e-3, _DENSEST, "kg/m3")
     return replace(brick, mass=density * volume_of(brick.shape, brick.size))
 
 
@@ -126,20 +132,22 @@ def _shaped(name: str, table: Mapping[str, Any], shape: str, position: Vector, t
             return polyhedron(points, position=position, quaternion=turn, mass=1.0)
         except ValueError as error:
             raise ValueError(f"{name}.vertices: {error}") from error
-    radius = read_number(f"{name}.radius", table.get("radius"), _SMALLEST / 2, LARGEST)
+    radius = read_number(f"{name}.radius", table.get("radius"), _SMALLEST / 2, LARGEST, "m")
     if shape == "sphere":
         return sphere(radius, position=position, quaternion=turn, mass=1.0)
     make = cylinder if shape == "cylinder" else capsule
-    length = read_number(f"{name}.length", table.get("length"), _SMALLEST, LARGEST)
+    length = read_number(f"{name}.length", table.get("length"), _SMALLEST, LARGEST, "m")
     return make(radius, length, position=position, quaternion=turn, mass=1.0)
 
 
 def _points(name: str, value: object) -> list[tuple[float, ...]]:
-    wanted = "a list of points such as [[0.0, 0.0, 0.1], ...]"
+    wanted = "a list of points [m] such as [[0.0, 0.0, 0.1], ...]"
     if value is None:
         raise ValueError(f"{name} is missing: add {wanted}")
     if not isinstance(value, list):
-        raise ValueError(f"{name} must be {wanted}, got {value!r}: correct the list")
+        raise ValueError(
+            f"{name} must be {wanted}, got {value!r}: write three numbers in square brackets for each point"
+        )
     return [read_numbers(f"{name}[{k}]", point, 3, -LARGEST) for k, point in enumerate(value)]
 
 
@@ -151,12 +159,12 @@ def _turn(name: str, table: Mapping[str, Any]) -> Quaternion:
     if "yaw" in table and "quaternion" in table:
         raise ValueError(f"{name} must have yaw or quaternion, got both: delete yaw or quaternion")
     if "quaternion" in table:
-        w, i, j, k = read_numbers(f"{name}.quaternion", table["quaternion"], 4, -1.0)
+        w, i, j, k = read_numbers(f"{name}.quaternion", table["quaternion"], 4, -1.0, 1.0, "")
         if abs(math.hypot(w, i, j, k) - 1) > _UNIT:
             raise ValueError(
-                f"{name}.quaternion must be of unit length, got {math.hypot(w, i, j, k):g}: correct "
+                f"{name}.quaternion must be of unit length, got the length {math.hypot(w, i, j, k):.9g}: correct "
                 "the quaternion, or divide the quaternion by its length"
             )
         return w, i, j, k
-    half = math.radians(read_number(f"{name}.yaw", table.get("yaw", 0.0), -360, 360)) / 2
+    half = math.radians(read_number(f"{name}.yaw", table.get("yaw", 0.0), -360, 360, "deg")) / 2
     return (math.cos(half), 0.0, 0.0, math.sin(half)) if half else UPRIGHT

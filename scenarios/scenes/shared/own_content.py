@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
@@ -13,6 +14,8 @@ from scenarios.statics.contact_patch import GROUND, contact_patches
 
 SNAP = 0.2e-3
 """Greatest gap or overlap [m] that counts as rounding in a TOML file."""
+GRAZING = 1e-6
+"""Greatest distance [m] from the body below at which a brick without a contact patch grazes the body."""
 WATCH_S = 5.0
 """Least and default duration [s] of the trial after the last action, for a scene of size 1."""
 
@@ -75,7 +78,7 @@ def levelled(
     try:
         patches = contact_patches(bricks, fixed)
     except ValueError as error:
-        raise ValueError(f"{error} (brick numbers count from 0, in the order of the bricks' times)") from error
+        raise ValueError(_by_name(str(error), names)) from error
     touched: dict[int, set[int]] = {index: set() for index in range(len(bricks))}
     for patch in patches:
         for one, other in ((patch.first, patch.second), (patch.second, patch.first)):
@@ -95,10 +98,21 @@ def levelled(
     return tuple(replace(brick, level=levels[index]) for index, brick in enumerate(bricks))
 
 
+def _by_name(message: str, names: Sequence[str]) -> str:
+    """Return the message with the names of bricks and fixed bodies in the file, in place of their indices."""
+    named = re.sub(r"\bbrick (\d+)\b", lambda found: names[int(found[1])], message)
+    return re.sub(r"\bwall (\d+)\b", r"fixed body \1 (from 0)", named)
+
+
 def _floats(name: str, brick: Brick, there: Sequence[Brick], fixed: Sequence[Brick]) -> str:
     room = room_below([brick], there, fixed)
+    if abs(room) <= GRAZING:
+        return (
+            f"{name} must touch a body or the ground when it is placed, but only grazes the nearest body at a corner "
+            f"or at a border of its faces: move {name} sideways, so that it lies on the body below"
+        )
     return (
         f"{name} must touch a body or the ground when it is placed, but is {room * 1e3:.3f} mm above the "
-        f"nearest body or ground below: set its position z to {brick.position[2] - room:g} m, or place its support "
-        "earlier"
+        f"nearest body or ground below: set position z of {name} to {brick.position[2] - room:g} m, or place its "
+        "support earlier"
     )

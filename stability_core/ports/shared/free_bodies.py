@@ -102,10 +102,10 @@ class FreeBodies:
             if body not in self._present:
                 raise ValueError(
                     f"this {self._world.engine} world has no body {body!r}: pass {self._world.ids_from} of a body in "
-                    f"the world, one of {sorted(self._present)}"
+                    f"the world; the world has the bodies {sorted(self._present)}"
                 )
             if body in self.live or body in self.frozen:
-                raise ValueError(f"the port controls body {body} already: list each body once")
+                raise ValueError(f"the port controls body {body} already: list each body once, in attach() or in add()")
             reason = self._world.reason_against(body)
             if reason:
                 raise ValueError(f"body {body} {reason}")

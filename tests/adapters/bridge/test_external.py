@@ -63,7 +63,10 @@ def test_a_file_that_the_environment_names_must_be_there(monkeypatch: pytest.Mon
             r"'command' must be a list of texts, at least the program, such as \['program', 'argument'\], got None",
         ),
         ("[mine]\ncommand = 'node mine.mjs'\n", "'command' must be a list of texts"),
-        ("[mine]\ncommand = ['a']\nprofile = 'b'\n", "unknown key 'profile'; use one of: command, profiles, timeout_s"),
+        (
+            "[mine]\ncommand = ['a']\nprofile = 'b'\n",
+            "unknown key 'profile'; use one of command, profiles or timeout_s",
+        ),
         ("[mine]\ncommand = ['a']\nprofiles = 3\n", "'profiles' must be the name of a file"),
         (
             "[mine]\ncommand = ['a']\ntimeout_s = 0\n",

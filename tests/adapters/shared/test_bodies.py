@@ -60,5 +60,5 @@ def test_a_removed_body_is_reported_once_and_its_id_is_not_used_again(bodies: Bo
     assert bodies.take_removed() == []
     assert bodies.new_id() == 4
     assert bodies.moving().tolist() == [0, 1]
-    with pytest.raises(KeyError, match=r"no body in the world has the id 2, 3, .*: use an id from poses"):
+    with pytest.raises(KeyError, match=r"the world does not contain the bodies 2, 3, .*: use ids from poses"):
         bodies.check_known([0, 2, 3])

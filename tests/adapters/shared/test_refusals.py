@@ -23,7 +23,7 @@ ALL = replace(BOXES_ONLY, shapes=("box", "sphere"), own_friction=True, restituti
 @pytest.mark.parametrize(
     ("world", "brick", "why"),
     [
-        (World(), BALL, "builds no sphere, because .* yet: use one of box"),
+        (World(), BALL, "builds no sphere, because .* yet: use box, or another engine"),
         (
             World(friction=0.4),
             replace(BOX, friction=0.2),

@@ -99,7 +99,10 @@ def test_seeds_and_repeats_multiply_the_trials_and_seed_0_is_exact() -> None:
 @pytest.mark.parametrize(
     ("change", "complaint"),
     [
-        ({"engines": ["bulet"]}, "field 'engines[0]': unknown engine 'bulet'; did you mean 'bullet'? Available:"),
+        (
+            {"engines": ["bulet"]},
+            "field 'engines[0]': unknown engine 'bulet'; did you mean 'bullet'? Use one of bullet",
+        ),
         ({"policies": ["papr"]}, "field 'policies[0]': unknown policy 'papr'; did you mean 'paper'?"),
         ({"scenario": [{"name": "four_stak"}]}, "field 'scenario[0].name': unknown scenario 'four_stak'; did you mean"),
         (
@@ -119,7 +122,7 @@ def test_seeds_and_repeats_multiply_the_trials_and_seed_0_is_exact() -> None:
         ({"limits": {"trial_wal_s": 3}}, "unknown field 'trial_wal_s'; did you mean 'trial_wall_s'?"),
         (
             {"scenario": [{"name": "four_stack", "tolerance": {"level": 1}}]},
-            "unknown field 'level'; did you mean 'levels'? Available: levels",
+            "unknown field 'level'; did you mean 'levels'? Use one of levels",
         ),
         (
             {"scenario": [{"name": "four_stack", "tolerance": {"sink_m": -1}}]},

@@ -76,7 +76,7 @@ def test_a_urdf_keeps_poses_masses_and_inertia(read):
     for found, planned in zip(read(to_urdf(scene), ".urdf").bricks, scene.bricks, strict=True):
         assert found.position == pytest.approx(planned.position, abs=KEPT)
         assert moments_of(found) == pytest.approx(moments_of(planned), rel=KEPT)
-    with pytest.raises(ExportRefusedError, match=r"brick_0 is a polyhedron, .* use --mjcf"):
+    with pytest.raises(ExportRefusedError, match=r"brick_0 is a polyhedron, .* export --mjcf"):
         to_urdf(build("groove", body="wedge"))
 
 
@@ -117,10 +117,13 @@ def test_an_inertia_given_by_hand_is_kept(read):
             "equality constraint 'w'",
         ),
         (world("<body name='b'><joint name='j' type='slide'/>" + BOX + "</body>"), "slide joint 'j' of body 'b'"),
-        (world(body("<geom type='ellipsoid' size='.1 .1 .2' name='egg'/>")), "'egg' is of type ellipsoid: use box"),
+        (world(body("<geom type='ellipsoid' size='.1 .1 .2' name='egg'/>")), "'egg' is of type ellipsoid: use a box"),
         (world(body(BOX + BOX)), "body 'b' has 2 collision geometries, .* contype and conaffinity"),
         (world(BOX), "no body with a free joint"),
-        (world(body(), "<geom name='ramp' type='plane' size='1 1 1' euler='0 10 0'/>"), "plane 'ramp' is not level"),
+        (
+            world(body(), "<geom name='ramp' type='plane' size='1 1 1' euler='0 10 0'/>"),
+            "plane 'ramp' is not level or faces down, with the normal .0.17",
+        ),
         ("<mujoco><worldbody", "MuJoCo cannot read the file"),
     ],
 )

@@ -117,9 +117,9 @@ def test_a_scene_with_a_turned_fixed_box_is_not_planar(write):
         (
             plank(position=[0, 0, 0.125]),
             TABLE,
-            r"brick\[0\] must touch .* is 20.000 mm above .* set its position z to 0.105",
+            r"brick\[0\] must touch .* is 20.000 mm above .* set position z of brick\[0\] to 0.105",
         ),
-        (plank(position=[0, 0, 0.095]), TABLE, "brick 0 and wall 0: .* must not overlap"),
+        (plank(position=[0, 0, 0.095]), TABLE, r"brick\[0\] and fixed body 0 .from 0.: .* must not overlap"),
     ],
 )
 def test_a_fixed_box_that_makes_no_scene_is_reported_with_the_fix(write, brick, fixed, message):
@@ -132,7 +132,10 @@ def test_a_fixed_box_that_makes_no_scene_is_reported_with_the_fix(write, brick, 
     [
         ([], r"the file must contain 1 to 5000 tables \[\[brick\]\]"),
         ([plank(position=[0, 0, 0.015])], r"brick\[0\] must touch .* but is 10.000 mm above the nearest body"),
-        ([plank(), plank(position=[0, 0, 0.025], time=1.0)], r"brick\[1\] must touch .* set its position z to 0.015"),
+        (
+            [plank(), plank(position=[0, 0, 0.025], time=1.0)],
+            r"brick\[1\] must touch .* set position z of brick\[1\] to 0.015",
+        ),
         ([plank(position=[0, 0, 0.015]), plank(time=1.0)], r"brick\[0\] must touch .* place its support earlier"),
         ([plank(), plank(position=[0.06, 0, 0.005], time=1.0)], "overlap"),
         ([plank(position=[0, 0, 0.0])], "ground"),
@@ -141,11 +144,11 @@ def test_a_fixed_box_that_makes_no_scene_is_reported_with_the_fix(write, brick, 
         ([plank(mass="nan")], r"brick\[0\].mass must be a number from"),
         ([plank(size=[0.1, 0.1])], r"brick\[0\].size must be a list of 3 numbers"),
         ([plank(yaw=0, quaternion=[1, 0, 0, 0])], r"brick\[0\] must have yaw or quaternion, got both"),
-        ([plank(quaternion=[1, 1, 0, 0])], r"brick\[0\].quaternion must be of unit length, got 1.41"),
+        ([plank(quaternion=[1, 1, 0, 0])], r"brick\[0\].quaternion must be of unit length, got the length 1.41"),
         ([plank(weight=1)], r"unknown field of brick\[0\] 'weight'"),
         (
             [plank(time=2.0, removed=1.0)],
-            r"brick\[0\].removed must be later than brick\[0\].time, which is 2 s, got 1 s",
+            r"brick\[0\].removed must be later than brick\[0\].time, which is 2 s, got 1 s: give a later time",
         ),
     ],
 )
@@ -328,7 +331,7 @@ def test_a_pull_that_is_carried_by_another_word_than_true_or_false_is_refused(wr
         ({"brick": 3, "time": 1.0, "impulse": [0, 0, 0]}, r"push\[0\].brick must be a number from 0 to 0"),
         (
             {"brick": 0, "time": 0.0, "impulse": [0, 0, 0]},
-            r"push\[0\].time must be after brick\[0\].time, which is 0 s",
+            r"push\[0\].time must be after brick\[0\].time, which is 0 s, got 0 s: give a time after the placement",
         ),
         ({"brick": 0, "time": 1.0}, r"push\[0\].impulse is missing: add a list of 3 numbers"),
         ({"brick": 0, "time": 1.0, "force": [0, 0, 0]}, r"unknown field of push\[0\] 'force'"),

@@ -110,7 +110,7 @@ def test_a_body_with_joints(world, is_multibody: bool) -> None:
 def test_a_body_with_a_setting_that_statics_does_not_know(world, attribute: str, value, fix: str) -> None:
     handle = add(world, (0.0, 0.0, 1.0))
     setattr(view(world, handle), attribute, value)
-    with pytest.raises(ValueError, match=f"leave it out, or {fix}"):
+    with pytest.raises(ValueError, match=f"leave out the body, or {fix}"):
         attach(world, bodies=[id_of(handle)])
 
 

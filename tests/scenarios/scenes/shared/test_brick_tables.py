@@ -47,7 +47,7 @@ def test_a_density_replaces_the_mass():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"shape": "cone"}, "brick\\[0\\].shape must be one of box, cylinder, capsule, sphere, polyhedron"),
+        ({"shape": "cone"}, "brick\\[0\\].shape must be one of box, cylinder, capsule, sphere or polyhedron"),
         ({"shape": "cylinder"}, "unknown field of brick\\[0\\] 'size'.*radius, length"),
         ({"radius": 0.1}, "unknown field of brick\\[0\\] 'radius'"),
         ({"density": 500.0}, "mass or density, got both"),
@@ -64,5 +64,7 @@ def test_a_wrong_table_is_refused_with_its_fix(change, message):
 
 def test_vertices_in_a_plane_are_refused_by_name():
     flat = [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0.1, 0.1, 0]]
-    with pytest.raises(ValueError, match=r"brick\[3\].vertices: the vertices lie within"):
+    with pytest.raises(
+        ValueError, match=r"brick\[3\].vertices: the vertices enclose a body that is 0 m thick and at most 0.1 m long"
+    ):
         read_brick("brick[3]", {**AT, "shape": "polyhedron", "vertices": flat})

@@ -160,7 +160,7 @@ def test_placement_noise_moves_the_whole():
         (
             "leaning_tower",
             {"built": "at_onec"},
-            "built must be one of one_by_one, at_once, at_once_below, got",
+            "built must be one of one_by_one, at_once or at_once_below, got",
         ),
         ("leaning_tower", {"ratio": 9, "built": "at_once"}, r"leaning_tower-9 has no known answer \(n d = L within 5%"),
         (
