@@ -29,8 +29,9 @@ def check(
 ) -> None:
     """Check the adapter of an engine against the contract of the core."""
     if bool(engine) == bool(bridge):
+        got = f"both '{engine}' and --bridge '{bridge}': leave out" if engine else "neither: give"
         raise typer.BadParameter(
-            "expected either the name of an engine or --bridge COMMAND, got both or neither: give one of the two"
+            f"expected either the name of an engine or --bridge COMMAND, got {got} the name or --bridge"
         )
     with input_errors():
         if bridge:

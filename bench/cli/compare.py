@@ -81,11 +81,15 @@ def compare(
         _prune()
         return
     if not (base and head):
-        raise typer.BadParameter("a comparison needs BASE and HEAD, got fewer: name both, or give --prune")
+        got = f"only {base or head}" if base or head else "neither"
+        raise typer.BadParameter(
+            f"a comparison needs BASE and HEAD, got {got}: name both, or remove the kept checkouts with --prune"
+        )
     if pictures is not None and (run_both or not Path(head).is_dir()):
         raise typer.BadParameter(
             f"--pictures needs a results folder as HEAD, because only a results folder has recordings, got {head!r}"
-            f"{' with --run' if run_both else ''}: leave out --pictures, or compare two results folders"
+            f"{' with --run' if run_both else ''}: leave out --pictures, or give a results folder as HEAD"
+            f"{' without --run' if run_both else ''}"
         )
     with input_errors():
         gates = chosen_gates(fail_on)
@@ -104,7 +108,10 @@ def compare(
             frame_times = read_benchmarks(Path(base)), read_benchmarks(Path(head))
             comparison = compare_benchmarks(*frame_times, across_versions=across_versions)
         else:
-            sides = of_engines(read_baseline(Path(base)), engine), of_engines(read_baseline(Path(head)), engine)
+            sides = (
+                of_engines(read_baseline(Path(base)), engine, base),
+                of_engines(read_baseline(Path(head)), engine, head),
+            )
             comparison = judge(*sides, (base, head))
         drawn = draw_alarms(comparison, gates, Path(head), pictures) if pictures is not None else []
         if markdown is not None:
@@ -124,7 +131,7 @@ def _prepared(
 ) -> tuple[Checkout, Checkout]:
     """Return the checkouts of base and head, with names that state their differences."""
     base, head = (
-        prepare(version, chosen, ERR, engines=plan.engines, allow_dirty=allow_dirty)
+        prepare(version, chosen, ERR, engines=plan.engines, allow_dirty=allow_dirty, option="--allow-dirty")
         for version, chosen in zip(versions, packages, strict=True)
     )
     names = named_by_difference((base, head), packages)

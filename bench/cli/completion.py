@@ -133,10 +133,12 @@ def _write_script(shell: str, home: Path) -> Path:
 
 
 def _shell() -> str:
-    name = Path(os.environ.get("SHELL", "")).name
+    shell = os.environ.get("SHELL", "")
+    name = Path(shell).name
     if name not in SCRIPTS:
+        got = repr(shell) if shell else "no path"
         raise typer.BadParameter(
-            f"the environment variable SHELL must name one of the shells {', '.join(SCRIPTS)}, got "
-            f"{name or 'nothing'!r}: set SHELL to the path of one of these shells"
+            f"the environment variable SHELL must be the path of bash, zsh or fish, got {got}: give such "
+            "a path, for example SHELL=/bin/bash"
         )
     return name

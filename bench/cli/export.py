@@ -28,7 +28,8 @@ def export(
     """Write a scene as MJCF, URDF or USD: bricks and fixed bodies; in MJCF and USD also gravity and friction."""
     wanted = [name for name, chosen in (("mjcf", mjcf), ("urdf", urdf), ("usd", usd)) if chosen]
     if len(wanted) != 1:
-        raise typer.BadParameter(f"expected one format, got {len(wanted)}: choose one of --mjcf, --urdf and --usd")
+        got = ", ".join(f"--{name}" for name in wanted) or "none"
+        raise typer.BadParameter(f"expected exactly one format, got {got}: choose one of --mjcf, --urdf or --usd")
     with input_errors():
         try:
             built = build("own_scene", file=scene) if is_file(scene) else build(scene)

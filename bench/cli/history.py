@@ -18,7 +18,7 @@ from bench.compare.checkouts import checked_out
 from bench.execution.results import check_folder
 from bench.history.bisection import BisectionError, first_new
 from bench.history.build import build_history, read_explanations
-from bench.history.figures import figures_of, first_failure
+from bench.history.figures import Figure, figures_of, first_failure
 from bench.history.measure import (
     Measured,
     forget_failed,
@@ -35,7 +35,7 @@ from bench.studies.schema import Study, load_study
 from bench.studies.selection import Selection, selected
 from reports.page.history_page import failures_table, steps_table, write_history_page
 from reports.records.atomic import write_atomic
-from reports.records.history import HISTORY, History, Kind, write_history
+from reports.records.history import HISTORY, History, write_history
 from reports.tables.table import render
 from scenarios.lookup import look_up
 
@@ -115,13 +115,18 @@ def _check_sources(engine: str | None, versions: str | None, commit_range: str |
     """
     if engine is not None:
         look_up("engine", engine, ENGINES)
-    if sum(source is not None for source in (versions, commit_range, records)) != 1:
+    sources = {"--versions": versions, "--commits": commit_range, "--records": records}
+    given = [option for option, source in sources.items() if source is not None]
+    if len(given) != 1:
         raise VersionsError(
-            "a history needs exactly one source of versions, got none or several: give one of --versions, --commits "
-            "and --records"
+            f"a history needs exactly one source of versions, got {', '.join(given) or 'none'}: give one of "
+            "--versions, --commits or --records"
         )
     if versions is not None and engine is None:
-        raise VersionsError("--versions needs the engine whose releases to compare, got none: add --engine NAME")
+        raise VersionsError(
+            f"--versions {versions} needs the engine whose releases to compare, got no --engine: add --engine NAME, "
+            "such as --engine mujoco"
+        )
 
 
 def _runs(
@@ -141,8 +146,8 @@ def _runs(
     package = getattr(ENGINES[str(engine)], "package", None)
     if package is None or package.startswith("@"):
         raise VersionsError(
-            f"--versions needs an engine with a Python package, but engine '{engine}' has none: use --commits or "
-            "--records"
+            f"--versions needs an engine with a Python package, but engine '{engine}' has none: give --commits or "
+            "--records instead of --versions, or another engine with --engine"
         )
     names = released(package, str(versions))
     suite = checked_out("HEAD", ERR)
@@ -168,26 +173,30 @@ def _of_record(name: str, content: bytes, engine: str | None) -> Measured:
 
 def _bisect(figure: str, names: Sequence[str], measure: Callable[[str], None], folder: Path) -> None:
     """Print the first version with the new value of a figure."""
-    kinds: dict[str, Kind] = {}
+    known: dict[str, Figure] = {}
 
     def value(index: int) -> float | None:
         measure(names[index])
         measured = read_measured(names[index], folder)
         found = {one.name: one for one in measured.figures}
-        kinds.update({name: one.kind for name, one in found.items()})
+        known.update(found)
         if found:
             look_up("figure", figure, found)
         note(f"{names[index]}: {found[figure].value if found else measured.message}")
         return found[figure].value if found else None
 
+    if len(names) == 1:
+        raise BisectionError(
+            f"--bisect needs at least two versions, got only {names[0]}: name more versions with --versions"
+        )
     for end in (0, len(names) - 1):
         value(end)
-    if figure not in kinds:
+    if figure not in known:
         raise BisectionError(
             f"the first and the last version, {names[0]} and {names[-1]}, must have a value of '{figure}', but neither "
-            "has any figure: choose other ends"
+            "has any figure: name other versions with --versions or --commits"
         )
-    result = first_new(len(names), value, kinds[figure])
+    result = first_new(names, value, known[figure])
     skipped = ", ".join(names[index] for index in result.untested)
     OUT.print(
         f"first version with the new {figure}: {names[result.first_new]}; last with the old: {names[result.last_old]}"

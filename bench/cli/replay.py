@@ -102,10 +102,10 @@ def replay(
             note(f"the file for Rerun is {relative(rrd)}; to open it: uv run --group rerun rerun {relative(rrd)}")
         if still is not None:
             picture = output or Path(f"{trial}.png")
-            write_still(picture, shown, parse_size(still), at=at, camera=seen_from, colour=colour.value)
+            write_still(picture, shown, parse_size(still, "--still"), at=at, camera=seen_from, colour=colour.value)
             note(f"the picture is {relative(picture)}")
         if video is not None:
-            pixels = parse_size(size or ("640x360" if video.suffix.lower() == ".gif" else "1280x720"))
+            pixels = parse_size(size or ("640x360" if video.suffix.lower() == ".gif" else "1280x720"), "--size")
             with ERR.status("drawing") as status:
                 film = Film(pixels, fps, speed, seen_from, colour.value)
                 write_video(video, shown, film, lambda done, count: status.update(f"drawing frame {done} of {count}"))

@@ -34,14 +34,19 @@ def read_baseline(path: Path) -> Baseline:
     for record in baseline.trials:
         if record.trial in seen:
             raise BaselineError(
-                f"{path}: trial {record.trial[:200]!r} must occur once, but occurs twice; remove one of the two records"
+                f"{path}: trial {record.trial[:200]!r} must occur once, but occurs again; remove the additional records"
             )
         seen.add(record.trial)
     return baseline
 
 
-def of_engines(side: Baseline, engines: Sequence[str] | None) -> Baseline:
+def of_engines(side: Baseline, engines: Sequence[str] | None, name: str) -> Baseline:
     """Return the side with the trials of ``engines`` only; with all trials if ``engines`` is empty or None.
+
+    Args:
+        side: base or head.
+        engines: names of engines.
+        name: name of the side, for the message.
 
     Raises:
         BaselineError: if the side has no trial of these engines.
@@ -50,11 +55,9 @@ def of_engines(side: Baseline, engines: Sequence[str] | None) -> Baseline:
         return side
     trials = [record for record in side.trials if record.engine in engines]
     if not trials:
-        has = ", ".join(sorted({record.engine for record in side.trials}))
-        raise BaselineError(
-            f"each side must have a trial of {', '.join(engines)}, but the side of study '{side.study}' has none: "
-            f"choose from its engines, {has}"
-        )
+        present = ", ".join(sorted({record.engine for record in side.trials}))
+        fix = f"give --engine with an engine of {name}: {present}" if present else "run the study first"
+        raise BaselineError(f"{name} must have a trial of {' or '.join(engines)}, but has none: {fix}")
     return side.model_copy(update={"trials": trials})
 
 
@@ -72,8 +75,8 @@ def replaced_baseline(path: Path) -> Baseline | None:
         return _read_baseline_file(path)
     except (JsonError, ValidationError):
         raise BaselineError(
-            f"{path} must be a readable baseline file or a new file, but is a file of another kind, or damaged: name "
-            "another file with -o"
+            f"{path} must be a readable baseline file or a new file, but is unreadable, damaged or of another kind: "
+            "name another file with -o"
         ) from None
 
 
@@ -88,16 +91,17 @@ def write_baseline(baseline: Baseline, path: Path) -> None:
     try:
         write_atomic(path, (with_packed_traces(baseline).model_dump_json(indent=1) + "\n").encode())
     except OSError as error:
-        raise BaselineError(f"{path} cannot be written ({error.strerror}): name another file with -o") from error
+        raise BaselineError(f"{path}: cannot write this file ({error.strerror}): name another file with -o") from error
 
 
 def _read_baseline_file(path: Path) -> Baseline:
     content = read_file(path)
     value = parse(content, str(path))
     if not isinstance(value, dict) or value.get("format") != FORMAT:
+        got = repr(value["format"])[:80] if isinstance(value, dict) and "format" in value else "no format"
         raise JsonError(
-            f"{path}: not a baseline ('format' is not '{FORMAT}'): create one with 'bench baseline DIR -o FILE', or "
-            "name a results folder"
+            f"{path}: not a baseline ('format' must be '{FORMAT}', got {got}): create a baseline with 'bench baseline "
+            "DIR -o FILE', or name a results folder"
         )
     return Baseline.model_validate_json(content, strict=True)
 

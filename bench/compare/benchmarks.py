@@ -161,15 +161,17 @@ def read_benchmarks(path: Path) -> FrameTimes:
         BaselineError: if the file contains no frame times with the extension, is unreadable or incomplete, or contains
             a benchmark twice.
     """
+    places: list[int] = []
     try:
         content = parse(read_file(path), str(path))
-        file = _File.model_validate({**content, "benchmarks": list(_frame_benchmarks(content))})
+        places = list(_frame_benchmarks(content))
+        file = _File.model_validate({**content, "benchmarks": [content["benchmarks"][place] for place in places]})
     except JsonError as error:
         raise BaselineError(str(error)) from error
     except (ValidationError, TypeError, AttributeError, KeyError) as error:
         raise BaselineError(
-            f"{path}: not a complete file of pytest-benchmark: {_first(error)}; create the file again with 'uv run "
-            "pytest --benchmark-only'"
+            f"{path}: not a complete file of pytest-benchmark: {_first(error, places)}; create the file again with "
+            "'uv run pytest --benchmark-only'"
         ) from error
     versions: dict[Group, str] = {}
     ratios: dict[Group, FloatArray] = {}
@@ -180,8 +182,8 @@ def read_benchmarks(path: Path) -> FrameTimes:
             continue
         if group in ratios:
             raise BaselineError(
-                f"{path}: benchmark {benchmark.fullname[:200]!r} must occur once, but occurs twice; remove the second "
-                "entry"
+                f"{path}: the frame times of {str(group)[:200]!r} must occur once, but occur again in benchmark "
+                f"{benchmark.fullname[:200]!r}; remove the second entry"
             )
         versions[group], ratios[group] = info.version, _ratios(path, benchmark)
     if not ratios:
@@ -211,9 +213,11 @@ def compare_benchmarks(base: FrameTimes, head: FrameTimes, *, across_versions: b
         NothingInCommonError: if the files contain no frame times of a common stack with the extension.
     """
     if not base.ratios.keys() & head.ratios.keys():
+        first = [str(next(iter(side.ratios), "none"))[:200] for side in (base, head)]
         raise NothingInCommonError(
-            f"{base.name} and {head.name} must contain frame times of a common stack with the extension, but do not: "
-            "create both files with 'uv run pytest --benchmark-only'"
+            f"{base.name} and {head.name} must contain frame times of a common stack with the extension, got, for "
+            f"example, {first[0]!r} and {first[1]!r}: create both files with 'uv run pytest --benchmark-only' and the "
+            "same selection of benchmarks"
         )
     findings = [
         Finding("time", str(group), "open", "missing in the head") for group in base.ratios if group not in head.ratios
@@ -276,14 +280,15 @@ def _ratios(path: Path, benchmark: _Benchmark) -> FloatArray:
     info, times = benchmark.extra_info, np.array(benchmark.stats.data)
     if not len(times):
         raise BaselineError(
-            f"{path}: the file must contain the time of each round, but does not; create the file again with 'uv run "
-            "pytest --benchmark-only --benchmark-save-data'"
+            f"{path}: benchmark {benchmark.fullname[:200]!r} must contain the time of each round, but does not; create "
+            "the file again with 'uv run pytest --benchmark-only --benchmark-save-data'"
         )
     count = min(len(times) // info.frames_per_second, len(info.alone_ms))
     if not count:
         raise BaselineError(
             f"{path}: benchmark {benchmark.fullname[:200]!r} must contain at least a second of frames with and without "
-            "the extension, but is shorter; create the file again with 'uv run pytest --benchmark-only'"
+            f"the extension, got {len(times) / info.frames_per_second:.2g} s with and {len(info.alone_ms)} s without; "
+            "create the file again with 'uv run pytest --benchmark-only'"
         )
     frames = times[: count * info.frames_per_second].reshape(count, info.frames_per_second)
     means = np.minimum(frames, MOST * np.median(frames, axis=0)).mean(axis=1)
@@ -301,15 +306,24 @@ def _is_benchmark_file(path: Path) -> bool:
     return isinstance(content, dict) and {"machine_info", "benchmarks"} <= content.keys()
 
 
-def _frame_benchmarks(content: Any) -> Iterator[Any]:
-    for benchmark in content["benchmarks"]:
+def _frame_benchmarks(content: Any) -> Iterator[int]:
+    """Yield the places of the benchmarks of frames in the list of the file."""
+    for place, benchmark in enumerate(content["benchmarks"]):
         if benchmark["extra_info"].get("format") == FORMAT:
-            yield benchmark
+            yield place
 
 
-def _first(error: Exception) -> str:
-    """Return the first error without the text of the file, because that text is untrusted."""
+def _first(error: Exception, places: Sequence[int]) -> str:
+    """Return the first error without the text of the file, because that text is untrusted.
+
+    Args:
+        error: the error.
+        places: place of each checked benchmark in the list of the file.
+    """
     if not isinstance(error, ValidationError):
         return "'benchmarks' is missing, or is not a list of benchmarks with 'extra_info'"
     first = error.errors(include_url=False, include_input=False)[0]
-    return f"field '{'.'.join(map(str, first['loc']))[:200]}': {first['msg']}"
+    location = list(first["loc"])
+    if location[:1] == ["benchmarks"] and len(location) > 1:
+        location[1] = places[int(location[1])]
+    return f"field '{'.'.join(map(str, location))[:200]}': {first['msg']}"

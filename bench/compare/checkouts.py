@@ -53,6 +53,7 @@ def prepare(
     *,
     engines: Iterable[str],
     allow_dirty: bool = False,
+    option: str = "",
 ) -> Checkout:
     """Return a checkout of ``version`` with its own environment.
 
@@ -62,19 +63,20 @@ def prepare(
         console: console that shows the start of each slow step.
         engines: names of the engines to install.
         allow_dirty: True to accept uncommitted changes.
+        option: option of the user's command that accepts uncommitted changes, for the message; empty without an option.
 
     Raises:
         CheckoutError: if the version does not exist; if uv cannot install a package; if the version has uncommitted
             changes, and ``allow_dirty`` is False; or for a folder without an environment, or with ``packages``.
     """
     if (Path(version) / "bench" / "__main__.py").is_file():
-        return _folder(version, packages, allow_dirty)
-    folder = checked_out(version, console, allow_dirty=allow_dirty)
+        return _folder(version, packages, allow_dirty, option)
+    folder = checked_out(version, console, allow_dirty=allow_dirty, option=option)
     pins = pinned(version, folder, engines, packages)
     return Checkout(version, folder, environment(version, pins, console), tuple(pins))
 
 
-def checked_out(version: str, console: Console, *, allow_dirty: bool = False) -> Path:
+def checked_out(version: str, console: Console, *, allow_dirty: bool = False, option: str = "") -> Path:
     """Return the cached checkout of a version, without an environment; create the checkout if necessary.
 
     Raises:
@@ -88,7 +90,7 @@ def checked_out(version: str, console: Console, *, allow_dirty: bool = False) ->
         "name a commit, a branch, a tag, or the folder of a checkout",
     ).strip()
     if not allow_dirty and commit == call(version, ["git", "rev-parse", "HEAD"], ROOT).strip():
-        _refuse_changes(version, ROOT, "the comparison would leave them out")
+        _refuse_changes(version, ROOT, "a checkout of the commit leaves out uncommitted changes", option)
     folder = CACHE / "checkouts" / commit[:12]
     if not (folder / "bench").exists():
         console.print(f"checking out {version} (commit {commit[:12]})", highlight=False)
@@ -128,7 +130,7 @@ def prune_checkouts(console: Console) -> int:
     return len(folders)
 
 
-def _folder(version: str, packages: Sequence[str], allow_dirty: bool) -> Checkout:
+def _folder(version: str, packages: Sequence[str], allow_dirty: bool, option: str) -> Checkout:
     """Return the checkout in a folder of the user, with the environment ``.venv`` of this folder.
 
     Raises:
@@ -138,23 +140,26 @@ def _folder(version: str, packages: Sequence[str], allow_dirty: bool) -> Checkou
     checkout = Checkout(version, Path(version).resolve(), Path(version).resolve() / ".venv" / "bin" / "python")
     if packages:
         raise CheckoutError(
-            f"this command installs packages only for commits, branches and tags, but {version} is a folder: "
-            f"install {packages[0]} in its environment, and leave out the package"
+            f"--base-with and --head-with need a commit, a branch or a tag, but {version} is a folder: install "
+            f"{', '.join(packages)} in the environment of the folder, and leave out the option"
         )
     if not checkout.python.exists():
         raise CheckoutError(
-            f"{version}: the folder must contain an environment (.venv), but does not: run 'uv sync' there"
+            f"{version}: the folder must contain an environment (.venv), but does not: run 'uv sync' in the folder"
         )
     if not allow_dirty and (checkout.folder / ".git").exists():
-        _refuse_changes(version, checkout.folder, "no commit would name the compared sources")
+        _refuse_changes(version, checkout.folder, "no commit names the changed sources", option)
     return checkout
 
 
-def _refuse_changes(version: str, folder: Path, why: str) -> None:
+def _refuse_changes(version: str, folder: Path, why: str, option: str) -> None:
     """Raise ``CheckoutError`` if tracked files have uncommitted changes."""
     changed = call(version, ["git", "status", "--porcelain", "--untracked-files=no"], folder).splitlines()
     if changed:
+        changes = f"{len(changed)} files with uncommitted changes, the first {changed[0][3:]!r}"
+        if len(changed) == 1:
+            changes = f"1 file with uncommitted changes, {changed[0][3:]!r}"
         raise CheckoutError(
-            f"{version}: {folder} has {len(changed)} uncommitted changes, such as {changed[0][3:]!r}, and {why}: "
-            "commit or stash them, or give 'bench compare' the option --allow-dirty"
+            f"{version}: {folder} has {changes}, but {why}: run 'git commit' or 'git stash' in the folder"
+            f"{f', or give {option}' if option else ''}"
         )

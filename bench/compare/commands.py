@@ -39,13 +39,22 @@ def call(name: str, command: Sequence[str], folder: Path, fix: str = "correct th
         done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
     except OSError as error:
         raise CheckoutError(
-            f"{name}: cannot run {command[0]} ({error.strerror}): install {command[0]}, or repair the checkout"
+            f"{name}: cannot run {command[0]} in {folder} ({error.strerror}): {_remedy(Path(command[0]), folder)}"
         ) from error
     if done.returncode != 0:
         words = _reason(done.stderr)[-_LONGEST:] or "no error output"
         shown = " ".join([Path(command[0]).name, *command[1:4]])
         raise CheckoutError(f"{name}: '{shown} ...' failed; {fix}: {words}")
     return done.stdout
+
+
+def _remedy(program: Path, folder: Path) -> str:
+    """Return the advice to the user for a program that does not start in a folder."""
+    if not folder.is_dir():
+        return "restore this folder, or remove the kept checkouts with 'bench compare --prune'"
+    if program.name.startswith("python"):
+        return "run 'uv sync' in this folder, or remove the kept environments with 'bench compare --prune'"
+    return f"install {program.name}"
 
 
 def _reason(output: str) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Sequence
 
 from bench.compare.determinism import judge_poses, other_processor
 from bench.compare.failures import failed_engines, require_results
-from bench.compare.findings import Comparison, Finding, Judgement
+from bench.compare.findings import Comparison, Finding, Judgement, plain
 from bench.compare.outcomes import judge_draws, judge_outcome, values_of
 from bench.compare.side import Baseline, Machine
 from bench.compare.timing import PARTS, Part, judge_times
@@ -55,7 +55,11 @@ def compare_runs(
     now = {record.trial: record for record in head.trials}
     pairs = [(before[trial], now[trial]) for trial in before if trial in now]
     if not pairs:
-        raise NothingInCommonError(f"{names[0]} and {names[1]} have no trial in common: compare runs of the same study")
+        raise NothingInCommonError(
+            f"{names[0]} and {names[1]} have no trial in common; for example, {names[0]} has "
+            f"{plain(next(iter(before)))} and {names[1]} has {plain(next(iter(now)))}: compare runs of the same study, "
+            "engines and profiles"
+        )
     missing = [trial for trial in before if trial not in now]
     lost: Judgement = "worse" if require_all else "open"
     findings = [Finding("outcome", trial, lost, f"missing in {names[1]}") for trial in missing]

@@ -36,11 +36,13 @@ def require_results(side: Baseline, name: str) -> None:
     """
     if any(record.status not in _NO_RESULT for record in side.trials):
         return
-    first = _first(side.trials)
+    if not side.trials:
+        raise SideFailedError(f"{name}: a comparison needs at least one trial, got none; run the study first")
+    first, count = _first(side.trials), len(side.trials)
     raise SideFailedError(
-        f"{name}: none of the {len(side.trials)} trials has a result, so that a comparison has none; for example, "
-        f"{plain(first.trial)}: {first.status}: {plain(first.message) or 'no message'}; correct this failure, or "
-        "choose another version"
+        f"{name}: {'the only trial has no' if count == 1 else f'none of the {count} trials has a'} result, so that a "
+        f"comparison has none; for example, {plain(first.trial)}: {first.status}: "
+        f"{plain(first.message) or 'no message'}; correct this failure, or compare another run or version"
     )
 
 

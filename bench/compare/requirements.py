@@ -98,7 +98,8 @@ def _named(name: str, suite: Path, package: str) -> str:
             return str(Requirement(package))
         except InvalidRequirement as error:
             raise CheckoutError(
-                f"{name}: {package!r} is neither a file nor a requirement such as 'mujoco==3.3.0' ({error}): "
+                f"{name}: {package!r} is neither a file nor a requirement such as 'mujoco==3.3.0' "
+                f"({str(error).splitlines()[0]}): "
                 "correct the path or the requirement"
             ) from error
     with TemporaryDirectory() as scratch:

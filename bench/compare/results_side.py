@@ -36,7 +36,8 @@ def read_folder(folder: Path) -> Baseline:
         records = read_records(path)
     if not records:
         raise BaselineError(
-            f"{path}: a comparison needs at least one trial, but the file contains none; run the study first"
+            f"{path}: a comparison or a baseline needs at least one trial, but the file contains none; run the study "
+            "first"
         )
     whole = content if content.endswith(b"\n") else content.rpartition(b"\n")[0]
     for number, line in enumerate(whole.splitlines(), start=1):
@@ -103,14 +104,18 @@ def _machines(folder: Path) -> dict[str, Machine]:
     for path in sorted(folder.glob("environment*.json")):
         environment = parse(read_file(path), str(path))
         if not isinstance(environment, dict):
-            raise BaselineError(f"{path}: not the environment file of a run; run the study again, or restore the file")
+            raise BaselineError(
+                f"{path}: not the environment file of a run (must be a JSON object, got {type(environment).__name__}); "
+                "run the study again, or restore the file"
+            )
         description = {key: value for key, value in environment.items() if key != SESSIONS}
         name = digest(description) if path.name == ENVIRONMENT else path.stem.removeprefix("environment-")
         try:
             machines[name] = _machine(description)
-        except (KeyError, TypeError, AttributeError, ValidationError):
+        except (KeyError, TypeError, AttributeError, ValidationError) as error:
+            cause = first_error(error) if isinstance(error, ValidationError) else f"{type(error).__name__}: {error}"
             raise BaselineError(
-                f"{path}: not the environment file of a run; run the study again, or restore the file"
+                f"{path}: not the environment file of a run ({cause[:200]}); run the study again, or restore the file"
             ) from None
     return machines
 

@@ -80,7 +80,8 @@ class Baseline(_Model):
         for trial, parts in self.shares.items():
             if set(parts) != set(PARTS):
                 raise ValueError(
-                    f"shares of trial {trial!r}: must be exactly the parts {', '.join(PARTS)}, got {', '.join(parts)}"
+                    f"shares of trial {trial[:200]!r}: must be exactly the parts {', '.join(PARTS)}, got "
+                    f"{', '.join(parts)[:200] or 'none'}: give exactly these parts"
                 )
         return self
 
@@ -113,10 +114,9 @@ class Baseline(_Model):
                 return read_pose_trace(file)
             return None if text is None else unpacked(text)
         except PoseTraceError as error:
-            raise BaselineError(
-                f"pose hash {pose_hash}: {error}; run the study again, or create the baseline again with 'bench "
-                "baseline'"
-            ) from error
+            place = f"pose hash {pose_hash[:80]} of study '{self.study[:80]}'"
+            fix = "" if file is not None else ", or create the baseline again with 'bench baseline'"
+            raise BaselineError(f"{place}: {error}{fix}") from error
 
     def with_trace_files(self, files: Mapping[str, Path]) -> Baseline:
         """Return this side with further files of pose traces, by pose hash."""
@@ -148,4 +148,5 @@ def first_error(error: ValidationError) -> str:
     """Return the first error without the text of the file, because that text is untrusted."""
     first = error.errors(include_url=False, include_input=False)[0]
     field = ".".join(map(str, first["loc"]))[:200]
-    return f"field '{field}': {first['msg']}" if field else str(first["msg"])
+    words = str(first["msg"]).removeprefix("Value error, ")
+    return f"field '{field}': {words}" if field else words

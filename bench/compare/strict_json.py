@@ -31,8 +31,8 @@ def read_file(path: Path) -> bytes:
         ) from error
     if len(content) > MOST_BYTES:
         raise JsonError(
-            f"{path}: the file must have at most {MOST_BYTES >> 20} MiB, but is larger; name a file that this "
-            "suite wrote"
+            f"{path}: the file must have at most {MOST_BYTES >> 20} MiB, but is larger; name a file of "
+            "'bench baseline', 'bench run' or pytest-benchmark"
         )
     return content
 
@@ -50,13 +50,13 @@ def parse(content: bytes, source: str) -> Any:
     try:
         return json.loads(content.decode("utf-8"), object_pairs_hook=_without_twins, parse_constant=_refuse)
     except UnicodeDecodeError as error:
-        raise JsonError(f"{source}: not a text in UTF-8; name a file that this suite wrote") from error
+        raise JsonError(f"{source}: not a text in UTF-8 (byte {error.start}); create the file again") from error
     except json.JSONDecodeError as error:
         raise JsonError(f"{source}: not valid JSON, or cut off: {error}; create the file again") from error
     except RecursionError:
-        raise JsonError(f"{source}: the JSON text nests too deeply; name a file that this suite wrote") from None
+        raise JsonError(f"{source}: the JSON text nests too deeply; create the file again") from None
     except ValueError as error:  # also raised for an integer of thousands of digits
-        raise JsonError(f"{source}: {error}; create the file again") from error
+        raise JsonError(f"{source}: {error}; correct this entry, or create the file again") from error
 
 
 def _without_twins(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -64,9 +64,9 @@ def _without_twins(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     if len(table) < len(pairs):
         seen: set[str] = set()
         twin = next(key for key, _ in pairs if key in seen or seen.add(key))  # type: ignore[func-returns-value]
-        raise ValueError(f"key {twin[:80]!r} must occur once in an object, but occurs again")
+        raise ValueError(f"key {twin[:80]!r} must occur once in an object, but occurs again: remove the repetition")
     return table
 
 
 def _refuse(constant: str) -> NoReturn:
-    raise ValueError(f"every number must be finite, got {constant}")
+    raise ValueError(f"every number must be finite, got {constant}: give a finite number")

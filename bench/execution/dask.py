@@ -84,8 +84,8 @@ def connected(address: str) -> Iterator[Client]:
         client = Client(address, timeout=CONNECT_S, set_as_default=False)
     except (OSError, ValueError) as error:
         raise ClusterError(
-            f"no Dask scheduler answers at {address}: correct the address, or start a scheduler with 'uv run dask "
-            f"scheduler', and workers with 'uv run dask worker {address}'"
+            f"--dask: no Dask scheduler answers at {address}: correct the address, or start a scheduler with 'uv run "
+            f"dask scheduler', and workers with 'uv run dask worker {address}'"
         ) from error
     with client:
         yield client
@@ -177,7 +177,7 @@ def _run_trial(trial: Trial, order: Order) -> RemoteOutcome:
     if different:
         raise ClusterError(
             f"the worker on {platform.node()} must have the code and the packages of the client, but differs in: "
-            f"{', '.join(different)}; start the worker again from the same checkout"
+            f"{', '.join(different)}; run 'uv sync' there and start the worker again from the same checkout"
         )
     with _preparing:
         _prepare(order.engines, order.core_policies)

@@ -49,9 +49,9 @@ def check_folder(folder: Path) -> None:
     """
     nearest = next(parent for parent in (folder, *folder.absolute().parents) if parent.exists())
     if not nearest.is_dir():
-        raise ResultsError(f"{nearest} must be a folder, but is a file: choose another folder with --out")
+        raise ResultsError(f"{folder}: {nearest} must be a folder, but is a file: choose another folder with --out")
     if not os.access(nearest, os.W_OK | os.X_OK):
-        raise ResultsError(f"{nearest} must be writable, but is not: choose another folder with --out")
+        raise ResultsError(f"{folder}: {nearest} must be writable, but is not: choose another folder with --out")
 
 
 def changes(folder: Path, study: Study, environment: Mapping[str, Any]) -> list[str]:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from reports.records.history import Kind
+from bench.history.figures import Figure
 from reports.statistics.steps import SCALES
 
 
@@ -23,33 +23,35 @@ class FirstNew:
     """Versions without a value between ``last_old`` and ``first_new``. The first new version may be among them."""
 
 
-def first_new(count: int, value: Callable[[int], float | None], kind: Kind) -> FirstNew:
+def first_new(versions: Sequence[str], value: Callable[[int], float | None], figure: Figure) -> FirstNew:
     """Return two versions between which a figure takes its new value.
 
     A version is new if its value is nearer to the last version's value than to the first version's value, on the scale
-    of ``kind``. The function skips a version without a value, and tests another version near the middle instead. If the
-    figure changes more than once, the function returns only one of the changes.
+    of the figure's kind. The function skips a version without a value, and tests another version near the middle
+    instead. If the figure changes more than once, the function returns only one of the changes.
 
     Args:
-        count: number of versions.
+        versions: names of the versions, at least two.
         value: function that returns the value of a version, by its index; None without a value.
-        kind: kind of the figure.
+        figure: the figure, for its name, kind and unit.
 
     Raises:
         BisectionError: if the first or last version has no value, or their values do not differ by a step.
     """
-    scale = SCALES[kind]
+    scale, count = SCALES[figure.kind], len(versions)
     ends = [value(index) for index in (0, count - 1)]
+    measured = [f"{_shown(end, figure.unit)} in {versions[place]}" for place, end in zip((0, -1), ends, strict=True)]
     if ends[0] is None or ends[1] is None:
         raise BisectionError(
-            f"the first and the last version must have a value of the figure, got {ends[0]} and {ends[1]}: choose "
-            "other ends"
+            f"'{figure.name}' must have a value in the first and in the last version, got {' and '.join(measured)}: "
+            "name other versions with --versions or --commits"
         )
     old, new = (scale.transformed(end) for end in ends if end is not None)
     if abs(new - old) < scale.least_step:
         raise BisectionError(
-            f"the first and the last version do not differ by a step ({ends[0]:.4g} and {ends[1]:.4g}): choose other "
-            "ends, or another figure"
+            f"'{figure.name}' must differ by a step between the first and the last version, got "
+            f"{' and '.join(measured)}: name other versions with --versions or --commits, or another figure with "
+            "--bisect"
         )
     low, high, untested = 0, count - 1, set[int]()
     while True:
@@ -64,3 +66,9 @@ def first_new(count: int, value: Callable[[int], float | None], kind: Kind) -> F
             high = middle
         else:
             low = middle
+
+
+def _shown(value: float | None, unit: str) -> str:
+    if value is None:
+        return "no value"
+    return f"{value:.4g} {'level' if value == 1 and unit == 'levels' else unit}"

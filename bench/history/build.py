@@ -72,15 +72,24 @@ def read_explanations(path: Path) -> list[Explanation]:
         HistoryError: if the file is unreadable, or a table is invalid.
     """
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-        return [Explanation.model_validate(table) for table in content.get("explanation", [])]
+        tables = tomllib.loads(path.read_text(encoding="utf-8")).get("explanation", [])
     except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise HistoryError(
             f"{path}: cannot read this file as TOML ({error}); name a readable file, or correct the file"
         ) from error
+    if not isinstance(tables, list):
+        raise HistoryError(f"{path}: 'explanation' must be tables, got {tables!r:.80}: write [[explanation]] tables")
+    return [_explanation(table, f"{path}: [[explanation]] {number}") for number, table in enumerate(tables, start=1)]
+
+
+def _explanation(table: object, place: str) -> Explanation:
+    try:
+        return Explanation.model_validate(table)
     except ValidationError as error:
-        first = error.errors()[0]
-        raise HistoryError(f"{path}: {'.'.join(map(str, first['loc']))}: {first['msg']}; correct the table") from error
+        first = error.errors(include_url=False)[0]
+        field = "".join(f" field '{part}':" for part in first["loc"][:1])
+        got = "" if first["type"] == "missing" else f", got {first['input']!r:.80}"
+        raise HistoryError(f"{place}:{field} {first['msg']}{got}; correct the table") from error
 
 
 def _of_series(series: Series, versions: Sequence[str], explanations: Sequence[Explanation]) -> list[Step]:

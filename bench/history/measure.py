@@ -136,7 +136,9 @@ def write_study(study: Study, out: Path) -> Path:
     path = (out / "study.toml").resolve()
     text = to_toml(study)
     if path.exists() and path.read_text(encoding="utf-8") != text:
-        raise CheckoutError(f"{out} contains a history of another study: choose another folder with --out")
+        raise CheckoutError(
+            f"{path} must be the study of this history, but is another study: choose another folder with --out"
+        )
     path.parent.mkdir(parents=True, exist_ok=True)
     write_atomic(path, text.encode())
     return path

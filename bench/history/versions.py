@@ -33,7 +33,8 @@ def released(package: str, wanted: str) -> list[str]:
     if wanted != "all" and _RANGE not in wanted:
         return [str(version) for version in sorted(map(_parsed, wanted.split(",")))]
     command = [UV, "tool", "run", "--quiet", "pip", "index", "versions", package, "--json"]
-    answer = call(package, [*command, "--only-binary", ":all:", "--python-version", PYTHON], ROOT)
+    query = [*command, "--only-binary", ":all:", "--python-version", PYTHON]
+    answer = call(package, query, ROOT, "connect to the registry, or list the releases, such as --versions 3.3.0,4.0.0")
     versions = sorted(Version(text) for text in json.loads(answer)["versions"])
     return [str(version) for version in within(versions, wanted)]
 
@@ -58,10 +59,9 @@ def within(versions: Sequence[Version], wanted: str) -> list[Version]:
         and (greatest is None or version <= greatest or version.release[: len(greatest.release)] == greatest.release)
     ]
     if not found:
-        known = f"{versions[0]} to {versions[-1]}" if versions else "none"
+        fix = f"a range within {versions[0]}..{versions[-1]}" if versions else "another engine"
         raise VersionsError(
-            f"the range {wanted} must contain a release with a wheel for this machine, but contains none: choose "
-            f"among {known}"
+            f"--versions {wanted} must contain a release with a wheel for this machine, but contains none: choose {fix}"
         )
     return found
 
@@ -75,11 +75,15 @@ def commits(wanted: str) -> list[str]:
     """
     low, separator, high = wanted.partition(_RANGE)
     if not (low and separator and high):
-        raise VersionsError(f"--commits must be a range such as v0.1.0..HEAD, got {wanted!r}: correct the range")
-    first = call(low, ["git", "rev-parse", "--verify", "--end-of-options", f"{low}^{{commit}}"], ROOT).strip()
-    listed = call(wanted, ["git", "rev-list", "--first-parent", "--reverse", "--end-of-options", wanted], ROOT)
+        raise VersionsError(f"--commits must be a range A..B, got {wanted!r}: give a range such as v0.1.0..HEAD")
+    fix = "name commits, branches or tags in --commits A..B"
+    first = call(low, ["git", "rev-parse", "--verify", "--end-of-options", f"{low}^{{commit}}"], ROOT, fix).strip()
+    listed = call(wanted, ["git", "rev-list", "--first-parent", "--reverse", "--end-of-options", wanted], ROOT, fix)
     if not listed:
-        raise VersionsError(f"there are no commits in {wanted}: name two different commits, the older commit first")
+        raise VersionsError(
+            f"--commits {wanted} must contain a commit after {low}, but contains none: name two different commits, "
+            "the older commit first"
+        )
     return [commit[:12] for commit in (first, *listed.split())]
 
 
@@ -96,14 +100,15 @@ def kept_records(wanted: str) -> list[tuple[str, bytes]]:
     branch, separator, path = wanted.partition(":")
     if not (branch and separator and path):
         raise VersionsError(
-            f"--records must be BRANCH:PATH, such as records:stacking.json, got {wanted!r}: give a branch and a path"
+            f"--records must be BRANCH:PATH, such as records:stacking.json, got {wanted!r}: give a branch, ':' and "
+            "a path"
         )
     log = ["git", "log", "--first-parent", "--reverse", "--format=%H %cs", "--diff-filter=AM", branch, "--", path]
-    lines = [line.split() for line in call(branch, log, ROOT).splitlines()]
+    lines = [line.split() for line in call(branch, log, ROOT, "name a branch in --records BRANCH:PATH").splitlines()]
     if not lines:
         raise VersionsError(
-            f"no commit of {branch} adds or changes the file {path}: correct the path, or commit a file of 'bench "
-            "baseline' there"
+            f"--records {wanted}: no commit of {branch} adds or changes the file {path}: correct the path, or commit "
+            "a file of 'bench baseline' there"
         )
     shown = [(commit, date, call(branch, ["git", "show", f"{commit}:{path}"], ROOT)) for commit, date in lines]
     return [(f"{date} {commit[:10]}", content.encode()) for commit, date, content in shown]
@@ -113,4 +118,6 @@ def _parsed(text: str) -> Version:
     try:
         return Version(text.strip())
     except InvalidVersion:
-        raise VersionsError(f"{text!r} is not a version; use all, a range such as 3.0..4.0, or 3.3.0,4.0.0") from None
+        raise VersionsError(
+            f"--versions: {text!r} is not a version; give all, a range such as 3.0..4.0, or a list such as 3.3.0,4.0.0"
+        ) from None

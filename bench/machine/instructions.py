@@ -67,7 +67,12 @@ class InstructionCounter:
         libc = ctypes.CDLL(None, use_errno=True)
         self._file: int = libc.syscall(number, attributes, _THIS_THREAD, _ANY_CPU, _NO_GROUP, _NO_FLAGS)
         if self._file < 0:
-            raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
+            code = ctypes.get_errno()
+            raise OSError(
+                code,
+                f"no counter of instructions on this system ({_REASONS.get(code, os.strerror(code))}): remove the "
+                "cause, or compare times",
+            )
 
     def __call__(self) -> int:
         """Return the number of events since the start."""

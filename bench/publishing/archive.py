@@ -30,8 +30,10 @@ def write_archive(folder: Path, to: Path) -> Path:
     """
     day = read_manifest(folder)["round"]
     if differing := changes(folder):
+        count = "1 difference" if len(differing) == 1 else f"{len(differing)} differences"
+        first = "; ".join([*differing[:3], *["..."] * (len(differing) > 3)])
         raise RoundError(
-            f"round {day} must be unchanged, but has changed ({'; '.join(differing[:3])}); remove additional files, "
+            f"round {day} must be unchanged, but has {count} from its manifest ({first}); remove additional files, "
             f"and restore the round with: git checkout -- '{folder}'"
         )
     name = f"stillstack-results-{day}"

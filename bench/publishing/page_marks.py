@@ -59,10 +59,12 @@ def core_of(page: Path) -> str:
     Raises:
         MarkError: if the page does not end with the line ``core: DIGEST``.
     """
-    found = _FOOTER.search(page.read_text(encoding="utf-8"))
+    text = page.read_text(encoding="utf-8")
+    found = _FOOTER.search(text)
     if found is None:
+        last = (text.splitlines() or [""])[-1]
         raise MarkError(
-            f"{page}: the last line must be 'core: DIGEST', but is not; write this line with 'python -m "
+            f"{page}: the last line must be 'core: DIGEST', got {last[:80]!r}; write this line with 'python -m "
             "bench.publishing --mark'"
         )
     return found[1]

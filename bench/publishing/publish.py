@@ -112,8 +112,9 @@ def _check(publication: Publication, folder: Path, records: Sequence[TrialRecord
         )
     missing = missing_trials(folder, records)
     if missing:
+        more = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
         raise PublishError(
-            f"{folder} must contain all trials of the study, but lacks {len(missing)} trials: run "
+            f"{folder} must contain all trials of the study, but lacks {missing[0]}{more}: run "
             f"{publication.command} --out {folder}"
         )
     _check_sources(json.loads((folder / ENVIRONMENT).read_text(encoding="utf-8")), str(folder))
@@ -122,8 +123,8 @@ def _check(publication: Publication, folder: Path, records: Sequence[TrialRecord
 def _check_sources(environment: Mapping[str, Any], where: str) -> None:
     if environment.get("modified") is not False or not environment.get("commit"):
         raise PublishError(
-            f"{where}: the run must use committed sources, got modified = {environment.get('modified')!r} and commit = "
-            f"{environment.get('commit')!r}; commit the changes in a git checkout, and run the study again"
+            f"{where}: a run to publish must use committed sources, got modified = {environment.get('modified')!r} and "
+            f"commit = {environment.get('commit')!r}; commit the changes in a git checkout, and run the study again"
         )
 
 
@@ -172,8 +173,11 @@ def main(
 ) -> None:
     """Publish a study in docs/results, mark the published pages, or freeze or pack a round."""
     if sum((name is not None, is_mark, frozen is not None, archived is not None)) != 1:
+        got = ["NAME"] * (name is not None) + ["--mark"] * is_mark
+        got += ["--round"] * (frozen is not None) + ["--archive"] * (archived is not None)
         raise typer.BadParameter(
-            "expected one of NAME (a publication), --mark, --round and --archive, got none or several: give exactly one"
+            "expected exactly one of NAME (a publication), --mark, --round or --archive, got "
+            f"{', '.join(got) or 'none'}: give one of the four"
         )
     try:
         if name is not None:

@@ -137,7 +137,9 @@ def read_manifest(folder: Path) -> dict[str, Any]:
     try:
         manifest: dict[str, Any] = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
-        raise RoundError(f"{folder}: not a frozen round ({error}); choose one of {_names(folder.parent)}") from error
+        raise RoundError(
+            f"{folder}: not a frozen round ({error}); restore the round with git, or {_choice(folder.parent)}"
+        ) from error
     return manifest
 
 
@@ -185,16 +187,17 @@ def _check_day(day: str, to: Path) -> None:
         is_date = date.fromisoformat(day).isoformat() == day
     except ValueError:
         is_date = False
-    if not is_date:
-        raise RoundError(f"the date of a round must have the form YYYY-MM-DD, got {day!r}: correct the date")
     today = datetime.now(UTC).date().isoformat()
+    if not is_date:
+        raise RoundError(f"the date of a round must have the form YYYY-MM-DD, got {day!r}: give --round {today}")
     if day > today:
-        raise RoundError(f"the date of a round must not be in the future, got {day}: give today's date, {today}")
+        raise RoundError(f"the date of a round must not be in the future, got {day}: give --round {today}")
     newest = next((path.name for path in rounds(to)), "")
     if day <= newest:
+        fix = f"give --round {today}" if today > newest else f"wait for the day after {newest}"
         raise RoundError(
             f"the date of a round must be later than the newest round, {newest}, because rounds never change, got "
-            f"{day}: give a later date"
+            f"{day}: {fix}"
         )
 
 
@@ -214,8 +217,8 @@ def _check_marks(source: Source) -> None:
         text = page.read_text(encoding="utf-8")
         if text != marked(text, core_of(page), source.core):
             raise RoundError(
-                f"{page}: banner and last line must fit the round's core, {source.core}, but do not; run 'python -m "
-                "bench.publishing --mark', and commit the page"
+                f"{page}: banner and last line must fit the round's core, {source.core}, but do not (the last line "
+                f"names {core_of(page)}); run 'python -m bench.publishing --mark', and commit the page"
             )
 
 
@@ -275,8 +278,9 @@ def _files(folder: Path) -> list[str]:
     return sorted(name for name in found if name != MANIFEST)
 
 
-def _names(folder: Path) -> str:
-    return ", ".join(path.name for path in rounds(folder)) or "(none is frozen yet)"
+def _choice(folder: Path) -> str:
+    names = ", ".join(path.name for path in rounds(folder))
+    return f"choose one of the rounds {names}" if names else "freeze the first round with --round"
 
 
 def _sha256(path: Path) -> str:

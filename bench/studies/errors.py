@@ -39,5 +39,8 @@ def field_name(location: Iterable[str | int]) -> str:
 
 def plain_words(detail: Mapping[str, Any]) -> str:
     """Return the plain message for an error detail of pydantic."""
+    if detail["type"] == "value_error":  # the message of a validator of this suite
+        return str(detail["msg"]).removeprefix("Value error, ")
     words = _PLAIN.get(detail["type"])
-    return words(detail.get("ctx", {})) if words else str(detail["msg"]).removeprefix("Value error, ")
+    said = words(detail.get("ctx", {})) if words else str(detail["msg"])
+    return said if detail["type"] == "missing" else f"{said}, got {detail['input']!r:.80}: correct this value"

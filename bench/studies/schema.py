@@ -257,7 +257,7 @@ class Study(_Model):
         if not admitted:
             raise ValueError(
                 "the rules of 'include' and 'exclude' must admit at least one trial, but admit none; remove or widen "
-                "a rule"
+                "a rule, or choose other engines, profiles, policies or scenarios"
             )
         for engine, profile in dict.fromkeys((engine, profile) for engine, profile, _, _ in admitted):
             try:
@@ -326,7 +326,8 @@ def check_study(content: Mapping[str, object], source: str) -> Study:
 def _complaint(detail: Mapping[str, Any]) -> str:
     location = detail["loc"]
     if location[2:3] == ("parameters",) and len(location) > 4:  # pydantic reports an error for each type of the union
-        return f"field '{field_name(location[:4])}': must be a number, a text, or a list of these"
+        got = f"got {detail['input']!r:.80}: correct this value"
+        return f"field '{field_name(location[:4])}': must be a number, a text, or a list of numbers or texts, {got}"
     field = field_name(location)
     if detail["type"] == "extra_forbidden":
         owner = _PARTS.get(str(location[0]), Study) if len(location) > 1 else Study

@@ -56,20 +56,39 @@ def from_flat(row: Mapping[str, Any]) -> TrialRecord:
     Missing values may be null, empty or NaN.
 
     Raises:
-        ValueError: if the row is not a record.
+        ValueError: if the row is not a record; the message names the trial.
     """
     fields = {name: value for name, value in row.items() if value not in _MISSING and value == value}
     if "expectation" in fields:  # CSV files of earlier versions have the expectation as JSON
-        fields["expectation"] = json.loads(fields["expectation"])
+        fields["expectation"] = _from_json(fields, "expectation")
     else:
         columns = {field: EXPECTATION_PREFIX + field for field in EXPECTATION_FIELDS}
         fields["expectation"] = {field: fields.pop(name) for field, name in columns.items() if name in fields}
     if isinstance(fields.get("parameters"), str):
-        fields["parameters"] = json.loads(fields["parameters"])
+        fields["parameters"] = _from_json(fields, "parameters")
     for name in _WHOLE:
-        fields[name] = int(fields.get(name, 0))
+        try:
+            fields[name] = int(fields.get(name, 0))
+        except (ValueError, TypeError) as error:
+            raise _invalid(fields, name, "must be a whole number", fields[name]) from error
     try:
         return TrialRecord.model_validate(fields)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
-        raise ValueError(f"field '{'.'.join(map(str, first['loc']))}': {first['msg']}; correct this field") from error
+        got = None if first["type"] == "missing" else first["input"]
+        raise _invalid(fields, ".".join(map(str, first["loc"])), first["msg"], got) from error
+
+
+def _from_json(fields: Mapping[str, Any], name: str) -> Any:
+    try:
+        return json.loads(fields[name])
+    except (ValueError, TypeError) as error:
+        raise _invalid(fields, name, "must be a JSON text", fields[name]) from error
+
+
+def _invalid(fields: Mapping[str, Any], name: str, words: str, got: object) -> ValueError:
+    """Return the error for a field with an invalid value."""
+    return ValueError(
+        f"trial {fields.get('trial', 'without an id')}: field '{name}': {words}, got {got!r:.80}: correct this field, "
+        "restore the file, or publish the study again"
+    )

@@ -89,11 +89,12 @@ class ResultsFolder:
         if file.name == TRIALS:
             return [self._with_creep(record) for record in read_records(file)]
         try:
-            return [from_flat(row) for row in published_rows(file)]
+            rows = list(published_rows(file))
         except (ValueError, pa.ArrowException) as error:
             raise RecordError(
                 f"{file}: not a table of trials ({error}); restore the file, or publish the study again"
             ) from error
+        return [_record(row, f"{file}: row {number}") for number, row in enumerate(rows, start=1)]
 
     def _with_creep(self, record: TrialRecord) -> TrialRecord:
         """Return a record with the creep that its recording proves; see ``creep.with_creep``.
@@ -144,6 +145,13 @@ class ResultsFolder:
             return tomllib.loads(self.study_file.read_text(encoding="utf-8"))
         except (OSError, ValueError):
             return {}
+
+
+def _record(row: Mapping[str, Any], place: str) -> TrialRecord:
+    try:
+        return from_flat(row)
+    except ValueError as error:
+        raise RecordError(f"{place}: {error}") from error
 
 
 def published_rows(file: Path) -> Iterator[Mapping[str, Any]]:

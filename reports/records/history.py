@@ -109,7 +109,9 @@ def read_history(path: Path) -> History:
             f"{path}: cannot read this file ({error.strerror}); name a readable file, or run 'bench history' first"
         ) from error
     except ValidationError as error:
-        raise HistoryError(f"{path}: not a history: {error.errors()[0]['msg']}; run 'bench history' again") from error
+        first = error.errors(include_url=False)[0]
+        field = f"field '{'.'.join(map(str, first['loc']))}': " if first["loc"] else ""
+        raise HistoryError(f"{path}: not a history: {field}{first['msg']}; run 'bench history' again") from error
 
 
 def write_history(path: Path, history: History) -> None:

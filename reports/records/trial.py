@@ -374,7 +374,9 @@ def _reason(error: ValidationError) -> str:
         if isinstance(first["input"], int) and first["input"] > FORMAT:
             return f"a record of format {first['input']}, newer than this suite's {FORMAT}: update the suite"
         return f"not a record of format {FORMAT} ({first['msg']}, got {first['input']!r}); restore the file"
-    return f"not a trial record: field '{field}': {first['msg']}; restore the file, or run the trial again"
+    got = "" if first["type"] == "missing" else f", got {first['input']!r:.80}"
+    place = f"field '{field}': " if field else ""
+    return f"not a trial record: {place}{first['msg']}{got}; restore the file, or run the trial again"
 
 
 def _mend(path: Path) -> bool:

@@ -55,8 +55,8 @@ def parse_camera(text: str) -> Camera:
             camera = look_up("camera", name, CAMERAS)
         else:
             raise ExportError(
-                f"each part of the camera '{text}' after the first must be one of "
-                f"{', '.join(f'{key}=NUMBER' for key in _FIELDS)}, got '{part}': change --camera"
+                f"each part of --camera '{text}' after the first must be azimuth=NUMBER, elevation=NUMBER or "
+                f"distance=NUMBER, got '{part}': write, for example, --camera front,elevation=20"
             )
     return camera
 
@@ -73,10 +73,12 @@ def _value(name: str, text: str) -> float:
     if not math.isfinite(value):
         raise ExportError(f"{name} of the camera must be a finite number, got {text}: write {name}=NUMBER in --camera")
     if name == "elevation" and not -90 <= value <= 90:
-        raise ExportError(f"elevation of the camera must be from -90 to 90 degrees, got {text}: change --camera")
+        raise ExportError(
+            f"elevation of the camera must be from -90 to 90 degrees, got {text}: give elevation=20, for example"
+        )
     if name == "distance" and value <= 0:
         raise ExportError(
-            f"distance of the camera must be above 0 m, got {text}: give a larger distance, or leave out distance "
-            "to show everything"
+            f"distance of the camera must be above 0 m, got {text} m: give distance=0.5, for example, or leave out "
+            "distance to show everything"
         )
     return value

@@ -46,7 +46,7 @@ def encoded(
     """
     suffix = path.suffix.lower()
     if suffix not in FORMATS:
-        raise ExportError(f"{path}: the suffix of a video must be .mp4 or .gif: give an output file with such a suffix")
+        raise ExportError(f"{path}: the suffix of a video must be .mp4 or .gif: give --video FILE.mp4 or FILE.gif")
     if fps < 1:
         raise ExportError(f"--fps must be a whole number of at least 1 frame per second, got {fps}: give --fps 25")
     try:
@@ -57,15 +57,16 @@ def encoded(
         ) from error
     if suffix == ".mp4":
         if pixels[0] % 2 or pixels[1] % 2:
+            width, height = (edge + edge % 2 for edge in pixels)
             raise ExportError(
-                f"--size of an .mp4 video must have an even width and height, got {pixels[0]}x{pixels[1]}: change "
-                "--size"
+                f"--size of an .mp4 video must have an even width and height, got {pixels[0]}x{pixels[1]} pixels: give "
+                f"--size {width}x{height}"
             )
         return _mp4(av, pictures, pixels, fps)
     if _GIF_CLOCK % fps:
         raise ExportError(
-            f"--fps of a GIF must divide 100, because GIF counts hundredths of a second, got {fps}: give --fps 10, "
-            "20, 25 or 50"
+            f"--fps of a GIF must divide 100, because GIF counts hundredths of a second, got {fps} frames per "
+            "second: give --fps 10, 20, 25 or 50"
         )
     return _gif(av, pictures, pixels, fps, np.array(colours, np.uint8))
 

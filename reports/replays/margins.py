@@ -127,8 +127,8 @@ def _margins(trial: str, recording: Recording, times: Sequence[float] | None) ->
     """Return the margins of a recording, and the reason if no instant has margins, else an empty text."""
     if recording.physics is None:
         raise ExportError(
-            f"{trial}: margins need a recording with masses, got a recording of an earlier version: run the trial "
-            "again to see margins"
+            f"{trial}: margins need a recording with masses, got a recording of an earlier version without masses: run "
+            "the trial again to see margins"
         )
     timeline = Timeline(recording)
     instants = list(settled_times(recording) if times is None else times)
@@ -210,7 +210,7 @@ def _touching(bricks: Sequence[Brick], walls: Sequence[Brick], time: float) -> l
             if tolerance.touch >= _MOST_TOUCH:
                 raise _OverlapError(
                     f"margins need bricks that do not overlap, got bricks that have sunk into each other "
-                    f"at {time:.2f} s ({error}): choose another time"
+                    f"at {time:.2f} s ({error}): draw a still at another time with --at, or choose another trial"
                 ) from error
             tolerance = tolerance._replace(touch=min(1.5 * tolerance.touch, _MOST_TOUCH))
 

@@ -49,8 +49,12 @@ class Film:
     colour: Colouring = "state"
 
 
-def parse_size(text: str) -> tuple[int, int]:
+def parse_size(text: str, option: str) -> tuple[int, int]:
     """Return width and height [pixels] from a text such as ``1920x1080``.
+
+    Args:
+        text: the text.
+        option: option of the command that receives the text, for the message.
 
     Raises:
         ExportError: if the text is not a size in the range.
@@ -58,10 +62,13 @@ def parse_size(text: str) -> tuple[int, int]:
     width, _, height = text.lower().partition("x")
     if not (width.isdecimal() and height.isdecimal() and int(width) > 0 and int(height) > 0):
         raise ExportError(
-            f"a size must have the form WIDTHxHEIGHT [pixels], such as 1920x1080, got '{text}': change --size"
+            f"{option} must have the form WIDTHxHEIGHT [pixels], got '{text}': give {option} 1920x1080, for example"
         )
     if max(int(width), int(height)) > _MOST_PIXELS:
-        raise ExportError(f"a size must have edges of at most {_MOST_PIXELS} pixels, got '{text}': change --size")
+        fitting = "x".join(str(min(int(edge), _MOST_PIXELS)) for edge in (width, height))
+        raise ExportError(
+            f"{option} must have edges of at most {_MOST_PIXELS} pixels, got '{text}': give {option} {fitting}"
+        )
     return int(width), int(height)
 
 
@@ -96,7 +103,8 @@ def write_still(
     time = max(ends) if at is None else at
     if not 0 <= time <= max(ends):
         raise ExportError(
-            f"--at must be from 0 to {max(ends):g} s, the end of the recording, got {time:g} s: change --at"
+            f"--at must be from 0 to {max(ends):g} s, the end of the longest recording, got {time:g} s: give a time in "
+            "this range, or leave out --at to show the end"
         )
     content = BytesIO()
     [picture] = _frames(trials, [time], Film(pixels, camera=camera, colour=colour), [time])
@@ -104,7 +112,8 @@ def write_still(
         picture.save(content, Image.registered_extensions()[path.suffix.lower()], optimize=True)
     except (KeyError, OSError):
         raise ExportError(
-            f"{path}: the suffix must be of a picture format, such as .png: give an output file with such a suffix"
+            f"{path}: the suffix of a picture must be of a format that Pillow writes, got '{path.suffix}': give "
+            "--output FILE.png"
         ) from None
     write_atomic(path, content.getvalue())
 
@@ -153,9 +162,9 @@ def _frames(
     """
     space = visible_space([trial.recording for trial in trials], _ROOM)
     if space is None:
+        names = ", ".join(trial.record.trial for trial in trials)
         raise ExportError(
-            f"a picture needs at least one brick, but the recording of {trials[0].record.trial} has none: choose "
-            "another trial"
+            f"a picture needs at least one brick, got none in the recordings ({names}): choose another trial"
         )
     first = trials[0].record
     sheet = Sheet(

@@ -94,8 +94,9 @@ def draw_pictures(views: Sequence[tuple[View, Sequence[Path]]]) -> None:
         try:
             subprocess.run(command, cwd=_ROOT, capture_output=True, text=True, check=True, timeout=_LONGEST_S)
         except subprocess.TimeoutExpired as error:
+            count = sum(len(paths) for _, paths in views)
             raise ExportError(
-                f"the renderer must draw {sum(len(paths) for _, paths in views)} pictures within its time limit of "
+                f"the renderer must draw {'1 picture' if count == 1 else f'{count} pictures'} within its time limit of "
                 f"{_LONGEST_S} s, but did not: draw fewer pictures, or wait until the machine is idle"
             ) from error
         except subprocess.CalledProcessError as error:
@@ -145,7 +146,12 @@ def _reason(returncode: int, errors: str) -> str:
     if returncode < 0:
         return (
             f"the renderer ended by signal {-returncode}, mostly because the machine has no renderer: "
-            "apt-get install libegl1, or libosmesa6"
+            "run 'apt-get install libegl1', or 'apt-get install libosmesa6'"
         )
-    last = errors.strip().splitlines()[-1] if errors.strip() else f"the renderer ended with status {returncode}"
-    return last + (": install the package with 'uv sync'" if "No module named" in last else "")
+    last = errors.strip().splitlines()[-1] if errors.strip() else "no error output"
+    fix = (
+        "install the package with 'uv sync'"
+        if "No module named" in last
+        else "remove the cause, or run 'apt-get install libegl1' on a machine without a renderer"
+    )
+    return f"the renderer ended with status {returncode} ({last}): {fix}"

@@ -33,7 +33,7 @@ def write_rerun(path: Path, trials: Sequence[Replayed]) -> None:
         ExportError: if the package of Rerun is missing, or the suffix is not ``.rrd``.
     """
     if path.suffix != ".rrd":
-        raise ExportError(f"{path}: the suffix of a file of Rerun must be .rrd: give an output file with such a suffix")
+        raise ExportError(f"{path}: the suffix of a file of Rerun must be .rrd: give --rrd FILE.rrd")
     rerun = require_rerun()
     stream = rerun.RecordingStream(APPLICATION, recording_id=trials[-1].record.trial)
     memory = stream.memory_recording()

@@ -54,9 +54,11 @@ class Sheet:
         """
         width, height = pixels
         if width < _LEAST_EDGE * len(titles) or height < _LEAST_EDGE:
+            panels = "1 panel" if len(titles) == 1 else f"{len(titles)} panels"
+            least = f"{max(width, _LEAST_EDGE * len(titles))}x{max(height, _LEAST_EDGE)}"
             raise ExportError(
-                f"the size of a picture with {len(titles)} panels must be at least "
-                f"{_LEAST_EDGE * len(titles)}x{_LEAST_EDGE}, got {width}x{height}: give a larger size"
+                f"the size of a picture with {panels} must be at least {_LEAST_EDGE * len(titles)}x{_LEAST_EDGE} "
+                f"pixels, got {width}x{height} pixels: give --still {least} for a still, or --size {least} for a video"
             )
         self._text = max(_LEAST_TEXT, round(_TEXT_SHARE * height))
         self._head = round(_HEAD * self._text)

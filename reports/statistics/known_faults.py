@@ -59,11 +59,17 @@ class KnownFault(BaseModel):
 
     @model_validator(mode="after")
     def _check(self) -> KnownFault:
-        for version in (self.first, self.last):
+        for name, version in (("first", self.first), ("last", self.last)):
             if version and not _numbers(version):
-                raise ValueError(f"a version must begin with a number, got {version!r}; write a version such as 3.10.0")
-        if any("scenario" not in scene for scene in self.scenes):
-            raise ValueError('a scene needs its scenario; write { scenario = "heavy_top", ratio = 10.0 }, for example')
+                raise ValueError(
+                    f"'{name}': a version must begin with a number, got {version!r}; write a version such as 3.10.0"
+                )
+        for number, scene in enumerate(self.scenes, start=1):
+            if "scenario" not in scene:
+                raise ValueError(
+                    f"'scenes', entry {number}: a scene needs its scenario, got {dict(scene)}; write, for example, "
+                    '{ scenario = "heavy_top", ratio = 10.0 }'
+                )
         return self
 
     @property
@@ -111,8 +117,11 @@ def _fault(file: Path, number: int, entry: object) -> KnownFault:
         return KnownFault.model_validate(entry)
     except ValidationError as error:
         problem = error.errors()[0]
-        place = ".".join(map(str, problem["loc"])) or "the entry"
-        raise KnownFaultsError(f"{file}: fault {number}: {place}: {problem['msg']}; correct this entry") from error
+        place = "".join(f"field '{'.'.join(map(str, problem['loc']))}': " for _ in problem["loc"][:1])
+        words = problem["msg"].removeprefix("Value error, ")
+        if problem["type"] not in ("missing", "value_error"):
+            words += f", got {problem['input']!r:.80}"
+        raise KnownFaultsError(f"{file}: fault {number}: {place}{words}; correct this entry") from error
 
 
 def _symptom(trial: TrialRecord) -> str:

@@ -150,7 +150,7 @@ def test_a_scene_is_exported_and_read_again(tmp_path):
     file = tmp_path / "tower.xml"
     assert "13 bricks" in call("export", "leaning_tower", "--mjcf", "--out", str(file), status=0)
     assert "falls at" in call("list", "--scenario", str(file), status=0)
-    assert "expected one format, got 0: choose one of --mjcf" in call("export", "leaning_tower", status=2)
+    assert "expected exactly one format, got none: choose one of --mjcf" in call("export", "leaning_tower", status=2)
     assert "polyhedron" in call("export", "voussoir_arch", "--urdf", status=2)
 
 

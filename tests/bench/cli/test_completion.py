@@ -101,5 +101,5 @@ def test_another_shell_is_refused_with_the_ones_that_there_are(monkeypatch, tmp_
     monkeypatch.setattr(Path, "home", lambda: tmp_path)
     refused = RUNNER.invoke(app, ["--install-completion"])
     assert refused.exit_code == 2
-    assert "bash, zsh, fish, got 'csh'" in " ".join(refused.output.replace("│", " ").split())
+    assert "bash, zsh or fish, got '/bin/csh': give such a path" in " ".join(refused.output.replace("│", " ").split())
     assert list(tmp_path.iterdir()) == []

@@ -218,12 +218,15 @@ def _rename_engine(content) -> None:
             "must contain the time of each round, but does not; create the file again with 'uv run pytest "
             "--benchmark-only --benchmark-save-data'",
         ),
-        (_drop_alone, "must contain at least a second of frames with and without"),
+        (_drop_alone, "must contain at least a second of frames with and without the extension, got "),
         (
             _only_kernels,
             "needs frame times with the extension, but the file contains none; create a file of frame times with",
         ),
-        (lambda content: content["benchmarks"].append(steered(content)[0]), "occurs twice"),
+        (
+            lambda content: content["benchmarks"].append(steered(content)[0]),
+            "must occur once, but occur again in benchmark",
+        ),
         (lambda content: content.update(benchmarks=[1]), "not a complete file of pytest-benchmark"),
         (lambda content: content.update(benchmarks=1), "not a complete file of pytest-benchmark"),
         (lambda content: content["benchmarks"][0].pop("extra_info"), "not a complete file of pytest-benchmark"),

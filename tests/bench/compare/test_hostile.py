@@ -60,7 +60,10 @@ HOSTILE = {
     "unknown field": (lambda good: trial(good, __class__="os.system"), "__class__"),
     "unknown status": (lambda good: trial(good, status="won"), "status"),
     "no trial": (lambda good: edited(good, trials=[]), "trials"),
-    "trial twice": (lambda good: edited(good, trials=json.loads(good.read_text())["trials"] * 2), "occurs twice"),
+    "trial twice": (
+        lambda good: edited(good, trials=json.loads(good.read_text())["trials"] * 2),
+        "must occur once, but occurs again; remove",
+    ),
     "negative share": (lambda good: edited(good, shares={"x": {"engine": 1, "readback": 1, "core": -1}}), "shares"),
     "half a share": (lambda good: edited(good, shares={"x": {"core": 1}}), "must be exactly the parts"),
     "negative tolerance": (lambda good: edited(good, tolerances={"x": {"levels": -1}}), "tolerances"),
@@ -107,7 +110,7 @@ def test_a_baseline_replaces_a_baseline_and_nothing_else(make, good, tmp_path) -
     assert read_baseline(good).trials[0].height_levels == 2
     other = tmp_path / "notes.json"
     other.write_text("{}")
-    with pytest.raises(BaselineError, match="but is a file of another kind, or damaged: name another file"):
+    with pytest.raises(BaselineError, match="but is unreadable, damaged or of another kind: name another file"):
         write_baseline(make.side(), other)
     assert other.read_text() == "{}"
     with pytest.raises(BaselineError, match="must be a file, but is a folder"):
@@ -123,7 +126,7 @@ def test_text_of_a_file_does_nothing_in_a_terminal_a_page_or_xml(make, good, tmp
     write_baseline(make.side(make.record(**names), make.record()), tmp_path / "head.json")
     write_baseline(make.side(make.record(**names)), tmp_path / "failed.json")
     failed = call("compare", tmp_path / "base.json", tmp_path / "failed.json", status=2)
-    assert "none of the 1 trials has a result" in failed
+    assert "the only trial has no result" in failed
     assert not {"\x1b", "\u202e"} & set(failed)
     page, xml = tmp_path / "m.md", tmp_path / "j.xml"
     sides = (tmp_path / "base.json", tmp_path / "head.json")
@@ -150,7 +153,7 @@ def test_a_number_of_many_digits_a_deep_nest_and_a_lone_surrogate_are_no_surpris
     [
         ("trials.jsonl", "", "needs at least one trial, but the file contains none"),
         ("trials.jsonl", "[]\n", "not a trial record"),
-        ("trials.jsonl", "{RECORD}\n{RECORD}\n", "occurs twice"),
+        ("trials.jsonl", "{RECORD}\n{RECORD}\n", "must occur once, but occurs again; remove"),
         ("trials.jsonl", '{"seed": 1, {RECORD_BODY}\n', "key 'seed' must occur once in an object, but occurs again"),
         ("study.toml", "name = 1", "not the study file of a run"),
         ("study.toml", "a = " + "[" * 50_000, "not valid TOML"),

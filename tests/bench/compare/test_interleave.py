@@ -71,9 +71,9 @@ def test_a_version_that_does_not_exist_is_reported() -> None:
 def test_a_folder_is_used_as_it_is(tmp_path) -> None:
     (tmp_path / "bench").mkdir()
     (tmp_path / "bench" / "__main__.py").touch()
-    with pytest.raises(CheckoutError, match="run 'uv sync' there"):
+    with pytest.raises(CheckoutError, match="run 'uv sync' in the folder"):
         prepare(str(tmp_path), [], SILENT, engines=[])
-    with pytest.raises(CheckoutError, match=r"install x\.whl in its environment"):
+    with pytest.raises(CheckoutError, match=r"install x\.whl in the environment of the folder"):
         prepare(str(tmp_path), ["x.whl"], SILENT, engines=[])
 
 
@@ -170,7 +170,9 @@ def test_uncommitted_changes_are_refused(tmp_path) -> None:
     python.symlink_to(sys.executable)
     prepare(str(tmp_path), [], SILENT, engines=[])
     subprocess.run(["git", "add", "bench"], cwd=tmp_path, check=True)
-    with pytest.raises(CheckoutError, match=r"1 uncommitted changes.*--allow-dirty"):
+    with pytest.raises(CheckoutError, match=r"1 file with uncommitted changes, .*, or give --allow-dirty$"):
+        prepare(str(tmp_path), [], SILENT, engines=[], option="--allow-dirty")
+    with pytest.raises(CheckoutError, match=r"'git stash' in the folder$"):
         prepare(str(tmp_path), [], SILENT, engines=[])
     assert prepare(str(tmp_path), [], SILENT, engines=[], allow_dirty=True).folder == tmp_path
 
@@ -179,6 +181,6 @@ def test_a_side_whose_trials_all_fail_ends_the_comparison_with_its_first_message
     ran: list[str] = []
     broken = make.record(status="error", message="no such knob", verdict="failed")
     sides = Written("old", broken, ran), Written("new", make.record(), ran)
-    with pytest.raises(SideFailedError, match=r"old: none of the 1 trials has a result.*no such knob"):
+    with pytest.raises(SideFailedError, match=r"old: the only trial has no result.*no such knob"):
         run_interleaved(sides, check_study(STUDY, ""), 2, tmp_path / "out", SILENT)
     assert ran == ["base-1"], "the other side need not run"

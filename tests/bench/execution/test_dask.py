@@ -117,7 +117,7 @@ def test_a_worker_of_another_checkout_is_refused() -> None:
     decisive = {name: describe(["bullet"])[name] for name in dask._DECISIVE} | {"sources": "other"}
     order = Order("run", ("bullet",), (), Limits(), decisive)
     with pytest.raises(
-        ClusterError, match=r"of the client, but differs in: sources; start the worker again from the same"
+        ClusterError, match=r"of the client, but differs in: sources; run 'uv sync' there and start the worker again"
     ):
         dask._run_trial(plan_trials(study)[0], order)
 

@@ -102,6 +102,6 @@ def test_all_pages_are_marked_but_their_list(study: Path) -> None:
 
 def test_a_page_without_its_core_is_reported_with_the_fix(study: Path) -> None:
     with pytest.raises(
-        MarkError, match=r"tables.md: the last line must be 'core: DIGEST', but is not; write this line with .* --mark"
+        MarkError, match=r"tables.md: the last line must be 'core: DIGEST', got '.*'; write this line with .* --mark"
     ):
         core_of(study)

@@ -90,13 +90,20 @@ def test_results_of_an_earlier_core_are_marked_as_such(run, tmp_path) -> None:
     assert text.endswith("\n\ntables.md\n\ncore: 0123456789ab\n")
 
 
-@pytest.mark.parametrize("arguments", [[], ["paper", "--mark"], ["--round", "2026-01-01", "--archive", "2026-01-01"]])
-def test_exactly_one_job_is_asked_for(arguments: list[str]) -> None:
+@pytest.mark.parametrize(
+    ("arguments", "got"),
+    [
+        ([], "none"),
+        (["paper", "--mark"], "NAME, --mark"),
+        (["--round", "2026-01-01", "--archive", "2026-01-01"], "--round, --archive"),
+    ],
+)
+def test_exactly_one_job_is_asked_for(arguments: list[str], got: str) -> None:
     app = typer.Typer()
     app.command()(main)
     text = CliRunner().invoke(app, arguments)
     assert text.exit_code == 2
-    message = "expected one of NAME (a publication), --mark, --round and --archive, got none or several"
+    message = f"expected exactly one of NAME (a publication), --mark, --round or --archive, got {got}: give one"
     assert message in " ".join(text.output.replace("│", "").split())
 
 
@@ -115,7 +122,7 @@ def test_figures_of_before_are_gone_and_what_others_published_stays(run, tmp_pat
 def test_half_a_study_is_refused_with_the_command_that_goes_on(run, tmp_path) -> None:
     lines = (run / "trials.jsonl").read_text().splitlines(keepends=True)
     (run / "trials.jsonl").write_text(lines[0])
-    with pytest.raises(PublishError, match=rf"lacks 1 trials: run uv run -m bench run \S+ --out {run}"):
+    with pytest.raises(PublishError, match=rf"lacks \S+: run uv run -m bench run \S+ --out {run}"):
         publish("made-up", run, tmp_path / "docs")
     assert not (tmp_path / "docs").exists()
 

@@ -129,7 +129,7 @@ def test_seeds_and_repeats_multiply_the_trials_and_seed_0_is_exact() -> None:
             "field 'scenario[0].tolerance.sink_m': must be 0.0 or more",
         ),
         ({"limits": {"trial_wall_s": 0}}, "field 'limits.trial_wall_s': must be above 0"),
-        ({"seeds": 0}, "field 'seeds': must be 1 or more"),
+        ({"seeds": 0}, "field 'seeds': must be 1 or more, got 0: correct this value"),
         (
             {"exclude": [{}]},
             "field 'exclude[0]': a rule needs at least one field, got none; remove the rule, or add one of: "
@@ -149,7 +149,7 @@ def test_seeds_and_repeats_multiply_the_trials_and_seed_0_is_exact() -> None:
         ({"scenario": [{}]}, "field 'scenario[0].name': is missing"),
         (
             {"scenario": [{"name": "four_stack", "parameters": {"mu": True}}]},
-            "field 'scenario[0].parameters.mu': must be a number, a text, or a list of these",
+            "field 'scenario[0].parameters.mu': must be a number, a text, or a list of numbers or texts, got True",
         ),
     ],
 )

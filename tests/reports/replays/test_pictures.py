@@ -120,9 +120,9 @@ def test_cameras_have_names_and_numbers() -> None:
         ("azimut=3", "unknown part of a camera 'azimut'; did you mean 'azimuth'?"),
         ("azimuth=east", "azimuth of the camera must be a number, got 'east': write azimuth=NUMBER in --camera"),
         ("elevation=91", "elevation of the camera must be from -90 to 90 degrees, got 91"),
-        ("distance=0", "distance of the camera must be above 0 m, got 0: give a larger distance"),
+        ("distance=0", "distance of the camera must be above 0 m, got 0 m: give distance=0.5"),
         ("azimuth=nan", "azimuth of the camera must be a finite number, got nan"),
-        ("front,top", "each part of the camera 'front,top' after the first must be one of azimuth=NUMBER"),
+        ("front,top", "each part of --camera 'front,top' after the first must be azimuth=NUMBER"),
     ],
 )
 def test_a_camera_that_cannot_be_is_refused_with_the_fix(text, complaint) -> None:
@@ -142,14 +142,14 @@ def test_what_cannot_be_drawn_is_refused_with_the_fix(pair, tmp_path, monkeypatc
     def video(name: str, width: int, **options) -> None:
         write_video(tmp_path / name, pair, Film((width, 180), **options))
 
-    assert "must have the form WIDTHxHEIGHT" in complaint(lambda: parse_size("1920"))
-    assert "at most 8192" in complaint(lambda: parse_size("9000x10"))
+    assert "must have the form WIDTHxHEIGHT" in complaint(lambda: parse_size("1920", "--still"))
+    assert "give --size 8192x10" in complaint(lambda: parse_size("9000x10", "--size"))
     assert "--at must be from 0 to 1 s" in complaint(lambda: write_still(tmp_path / "a.png", pair, (300, 200), at=2))
     assert "the size of a picture with 6 panels must be at least" in complaint(lambda: still([*pair, *pair, *pair]))
-    assert "must be .mp4 or .gif: give an output file with such a suffix" in complaint(lambda: video("a.avi", 320))
+    assert "must be .mp4 or .gif: give --video FILE.mp4" in complaint(lambda: video("a.avi", 320))
     assert "--speed must be a finite number above 0, got 0" in complaint(lambda: video("a.gif", 320, speed=0.0))
     pytest.importorskip("av", reason="needs uv sync --group video")
-    assert "an even width" in complaint(lambda: video("a.mp4", 321))
+    assert "an even width and height, got 321x180 pixels: give --size 322x180" in complaint(lambda: video("a.mp4", 321))
     assert "--fps 10, 20, 25 or 50" in complaint(lambda: video("a.gif", 320, fps=30))
     monkeypatch.setitem(sys.modules, "av", None)
     assert "uv sync --group video" in complaint(lambda: video("a.mp4", 320))
@@ -162,5 +162,5 @@ def test_a_failed_renderer_is_reported_in_the_midst_of_a_video(pair, tmp_path, m
     python.write_text("#!/bin/sh\nkill -SEGV $$\n")
     python.chmod(0o755)
     monkeypatch.setattr(sys, "executable", str(python))
-    with pytest.raises(ExportError, match="mostly because the machine has no renderer: apt-get install libegl1"):
+    with pytest.raises(ExportError, match="mostly because the machine has no renderer: run 'apt-get install libegl1'"):
         write_video(tmp_path / "a.mp4", pair, Film((320, 180)))

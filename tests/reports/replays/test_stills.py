@@ -83,14 +83,19 @@ def test_policies_are_seen_from_the_same_place(tmp_path) -> None:
     [
         (
             "kill -SEGV $$",
-            "no stills: the renderer ended by signal 11, mostly because the machine has no renderer: apt-get install "
-            "libegl1, or libosmesa6",
+            "no stills: the renderer ended by signal 11, mostly because the machine has no renderer: run 'apt-get "
+            "install libegl1', or 'apt-get install libosmesa6'",
         ),
         (
             "echo \"No module named 'pyvista'\" >&2; exit 1",
-            "no stills: No module named 'pyvista': install the package with 'uv sync'",
+            "no stills: the renderer ended with status 1 (No module named 'pyvista'): install the package with 'uv "
+            "sync'",
         ),
-        ("echo 'OSError: no space' >&2; exit 1", "no stills: OSError: no space"),
+        (
+            "echo 'OSError: no space' >&2; exit 1",
+            "no stills: the renderer ended with status 1 (OSError: no space): remove the cause, or run 'apt-get "
+            "install libegl1' on a machine without a renderer",
+        ),
     ],
 )
 def test_why_nothing_could_be_drawn_is_reported(last_words: str, output: str, tmp_path, monkeypatch) -> None:

@@ -74,12 +74,12 @@ def test_a_fault_of_some_scenes_and_policies_flags_these_alone() -> None:
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (('"a/b#1"', '"a/b/1"'), "fault 1: thread: .*correct this entry"),
-        (('["creeps"]', '["crawls"]'), "symptoms.0: .*'false_stand', 'false_collapse', 'creeps'"),
+        (('"a/b#1"', '"a/b/1"'), "fault 1: field 'thread': .*, got 'a/b/1'; correct this entry"),
+        (('["creeps"]', '["crawls"]'), "symptoms.0': .*'false_stand', 'false_collapse', 'creeps'"),
         (('["creeps"]', "[]"), "symptoms"),
         (("sentence", "words"), "sentence"),
         (("engine", 'last = "new"\nengine'), "must begin with a number, got 'new'; write a version such as 3.10.0"),
-        (("engine", "scenes = [{ ratio = 2.0 }]\nengine"), "a scene needs its scenario"),
+        (("engine", "scenes = [{ ratio = 2.0 }]\nengine"), "'scenes', entry 1: a scene needs its scenario"),
     ],
 )
 def test_an_entry_that_is_not_valid_is_named_with_its_fix(tmp_path: Path, change, said) -> None:
