@@ -122,7 +122,7 @@ class Pull:
     seconds: float
     """Duration [s]."""
     is_carried: bool = False
-    """True if the manipulator also carries the brick's weight, as a hand does, so that the brick does not tip."""
+    """True if the manipulator also carries the brick's weight, so that the brick does not tip."""
 
     @property
     def until(self) -> float:

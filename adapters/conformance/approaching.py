@@ -23,7 +23,7 @@ EDGE = 0.04
 HEIGHT = 0.5
 """Height [m] of the target, a frozen plank."""
 SLOW = 0.05
-"""Speed [m/s] of a cube that moves 0.8 mm in a frame, as a hand pushes."""
+"""Speed [m/s] of a pushed cube, which moves 0.8 mm in a frame."""
 PUSHES = 8
 """Number of pushes, one per frame."""
 

@@ -24,7 +24,7 @@ class RecentContacts:
         self._frames = [(0.0, contacts), *older]
 
     def forget(self, bodies: Sequence[int]) -> None:
-        """Drop the contacts of ``bodies``, which have left the world or were moved."""
+        """Drop the contacts of ``bodies`` that have left the world."""
         gone = np.array(bodies, np.int64)
         self._frames = [
             (age, frame.chosen(~(np.isin(frame.body_a, gone) | np.isin(frame.body_b, gone))))

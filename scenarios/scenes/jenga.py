@@ -12,10 +12,13 @@ tower's middle.
 
 The scene removes planks at once, or pulls planks out slowly along their length. A pulled plank drags the tower with mu
 times the load on this plank (mu: coefficient of friction). The remaining planks of the level hold the tower with mu
-times their loads. Their loads are larger in both cases. Of three planks the pulled plank bears a third of the load. Of
-two planks the pulled side plank bears at most 11.7 / 25.4 of the middle plank's load. The hand also carries the pulled
-plank's weight. Otherwise the plank tips as soon as its centre has left the tower, and its inner end lifts the part
-above: with 15 mm inside, by three times its weight.
+times their loads. If each load acts at the middle of its plank, the remaining planks bear more: of three planks the
+pulled plank bears a third of the load, and of two planks the pulled side plank bears 11.7 / 25.4 of the middle plank's
+load. If a side plank remains, the tower falls in any case.
+
+The manipulator also carries the pulled plank's weight. Otherwise the plank tips as soon as its centre has left the
+tower, and its inner end lifts the part above. With 15 mm of the plank inside, the inner end lifts with three times the
+plank's weight.
 
 Look for: a tower that falls after the last removal should turn over about the remaining plank, in one piece.
 """

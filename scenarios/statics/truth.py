@@ -77,8 +77,8 @@ def equilibrium_among(
     Args:
         present: indices of the bricks that are in place.
         bricks: all bricks of the plan.
-        patches: contact patches of all bricks, from ``contact_patch.contact_patches``.
-        world: friction and gravity.
+        patches: contact patches of all bricks and of ``world.fixed``, from ``contact_patch.contact_patches``.
+        world: friction, gravity and fixed bodies, the same fixed bodies as for ``patches``.
     """
     return _judge([bricks[index] for index in present], patches_among(present, patches), world, world.fixed)
 

@@ -74,7 +74,8 @@ def test_an_impulse_is_that_of_the_scene() -> None:
 
 def test_an_engine_without_iterations_says_so() -> None:
     with pytest.raises(
-        ProfileError, match=r"profile 'game@iterations=9': .*, but havok has no such knob: vary 'substeps'"
+        ProfileError,
+        match=r"profile 'game@iterations=9': .*, but the engine havok has no knob of this kind: vary 'substeps'",
     ):
         profile_of(HavokSimulation, "game@iterations=9")
 

@@ -190,7 +190,7 @@ def test_the_removal_of_a_lift_wakes_what_rested_on_it(port):
 def test_a_snapshot_has_no_kinematic_bodies(port):
     lift_with_column(port)
     with pytest.raises(
-        ValueError, match=r"body 50 must have a finite mass, got inf: remove this row, and replace .* by the id -1"
+        ValueError, match=r"body 50 must have a finite mass, got inf: remove the row, and replace .* by the id -1"
     ):
         solve_equilibrium(port.contacts(), port.masses())
 

@@ -72,7 +72,7 @@ def test_the_user_sets_the_angle_of_repose_at_any_friction(port, mu, slope, slee
 
 
 def test_an_angle_of_repose_in_degrees_is_refused_with_the_unit():
-    with pytest.raises(ValueError, match=r"repose must be below pi/2 rad, got 35.0: pass the angle in radians"):
+    with pytest.raises(ValueError, match=r"repose must be below pi/2 rad, got 35.0 rad: pass the angle in radians"):
         Settings(repose=35.0)
 
 
