@@ -22,8 +22,8 @@ def unknown_name(kind: str, name: str, allowed: Iterable[str]) -> UnknownNameErr
 
 
 def one_of(names: Iterable[str]) -> str:
-    """Return the choice among ``names`` as text: "a", "a or b", or "one of a, b or c"."""
-    *before, last = names
+    """Return the choice among ``names`` as text: "a", "a or b", or "one of a, b or c"; a text also without names."""
+    *before, last = [*names] or ["no name, because none exists"]
     if not before:
         return last
     return f"{'one of ' if len(before) > 1 else ''}{', '.join(before)} or {last}"

@@ -59,10 +59,16 @@ def test_published_results_come_from_a_clean_commit():
     assert re.fullmatch("[0-9a-f]{40}", environment["commit"])
 
 
+LATER_COLUMNS = {"frame_ratio_one_live"}
+"""Columns that format 3 got after some pages were published; a page made before leaves them out."""
+
+
 def test_published_columns_are_those_of_the_records_of_their_format():
     table = pq.read_table(PAPER / "trials.parquet")
     (of_format,) = set(table["format"].to_pylist())
-    assert table.column_names == flat_columns(of_format)
+    left_out = set(flat_columns(of_format)) - set(table.column_names)
+    assert left_out <= LATER_COLUMNS
+    assert table.column_names == [column for column in flat_columns(of_format) if column not in left_out]
 
 
 @pytest.mark.parametrize("name", STUDIES)
@@ -104,14 +110,14 @@ def test_the_core_of_a_study_is_that_of_its_run(name: str):
 
 
 @pytest.mark.parametrize(
-    ("block", "page"),
-    [("headline", "paper"), ("many_seeds", "publish"), ("pairs", "truth"), ("ratios", "ratio")],
+    ("block", "pages"),
+    [("headline", ["paper"]), ("many_seeds", ["publish"]), ("pairs", ["truth"]), ("ratios", ["ratio", "publish"])],
 )
-def test_a_document_says_below_a_table_that_it_is_of_an_earlier_core(block: str, page: str):
+def test_a_document_says_below_a_table_that_it_is_of_an_earlier_core(block: str, pages: list[str]):
     found = block_of(block)
-    output = warning(core_of(PAGES[f"{page}/tables.md"]), present_core())
-    assert ("Made with an earlier core" in found) == bool(output), AGAIN
-    assert output in found
+    outputs = {warning(core_of(PAGES[f"{page}/tables.md"]), present_core()) for page in pages}
+    assert found.count("Made with an earlier core") == len(outputs - {""}), AGAIN
+    assert all(output in found for output in outputs)
 
 
 def test_the_readme_says_below_its_table_which_studies_are_of_an_earlier_core():

@@ -87,9 +87,9 @@ def test_many_seeds() -> None:
 
 
 def test_pairs() -> None:
-    """In how many pairs of scenes both sides were right, of those of which both sides were decided."""
+    """In how many pairs both sides were right, of those of which both were decided, in profile `tuned`."""
     trials = reports.load(PUBLISHED / "truth").trials
-    sides = trials[(trials["pair"] != "") & (trials["repeat"] == 0)]
+    sides = trials[(trials["pair"] != "") & (trials["repeat"] == 0) & (trials["profile"] == "tuned")]
     sides = sides.assign(decided=sides["verdict"].isin(DECIDED), right=sides["verdict"] == "right")
     builds = sides.groupby(["engine", "policy", "pair", "seed"]).agg(
         sides=("right", "size"), decided=("decided", "all"), right=("right", "all")

@@ -4,7 +4,7 @@ from itertools import product
 
 import pytest
 
-from scenarios.lookup import UnknownNameError
+from scenarios.lookup import UnknownNameError, one_of
 from scenarios.registry import SCENARIOS, build
 
 
@@ -77,3 +77,11 @@ def test_an_unknown_parameter_names_its_nearest_match():
 def test_a_value_that_makes_no_scene_names_what_is_allowed(name, parameters, message):
     with pytest.raises(ValueError, match=f"scenario {name}: {message}"):
         build(name, **parameters)
+
+
+@pytest.mark.parametrize(
+    ("names", "text"),
+    [("", "no name, because none exists"), ("a", "a"), ("ab", "a or b"), ("abc", "one of a, b or c")],
+)
+def test_a_choice_reads_well_for_any_number_of_names(names: str, text: str) -> None:
+    assert one_of(names) == text

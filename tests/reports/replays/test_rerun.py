@@ -59,7 +59,7 @@ def test_a_file_holds_every_row_of_both_trials(tmp_path) -> None:
 
 def test_another_suffix_or_no_rerun_is_refused_with_the_fix(tmp_path, monkeypatch) -> None:
     trials = [Replayed(record(), recording())]
-    with pytest.raises(ExportError, match=r"must be \.rrd: give an output file with such a suffix"):
+    with pytest.raises(ExportError, match=r"the suffix of a file of Rerun must be \.rrd: give --rrd FILE\.rrd"):
         write_rerun(tmp_path / "two.rr", trials)
     monkeypatch.setitem(sys.modules, "rerun", None)
     with pytest.raises(ExportError, match="uv sync --group rerun"):

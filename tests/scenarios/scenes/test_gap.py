@@ -83,7 +83,7 @@ def test_load_bearing_contacts_alone_decide(name, parameters, monkeypatch):
 def test_a_gap_that_a_stack_does_not_have_is_refused():
     with pytest.raises(
         ValueError,
-        match=r"only to the stacks four_stack, brick_wall, got gap = .* with stack = 'log_cabin'",
+        match=r"applies only if stack is four_stack or brick_wall, got gap = .* with stack = 'log_cabin'",
     ):
         build("robbed_stack", stack="log_cabin", gap=0)
 
