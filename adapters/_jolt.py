@@ -20,8 +20,8 @@ Traps:
   to 0.
 - As shipped Jolt does not resolve an overlap of less than the slop, 20 mm.
 - No body wakes when the host removes its support or changes gravity. Therefore the peer wakes all bodies.
-- The peer reads the fields of Jolt's objects from memory. The peer compares
-  the memory layout with the functions at each start of the process.
+- The peer reads the fields of Jolt's objects from memory, because calls of Jolt's functions take longer. The peer
+  compares the memory layout with the functions at each start of the process.
 """
 
 from __future__ import annotations

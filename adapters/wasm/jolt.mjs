@@ -141,7 +141,7 @@ class World {
     }
   }
 
-  /** Return the numbers of writeStates for a body from Jolt's functions, which take ten times as long as memory. */
+  /** Return the numbers of writeStates for a body from Jolt's functions, which take longer than memory. */
   saidState(id) {
     const { body } = this.#bodies.get(id);
     const p = vectorOf(body.GetPosition()), q = body.GetRotation();
