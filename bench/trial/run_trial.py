@@ -20,7 +20,7 @@ from bench.machine.memory import PeakMemory
 from bench.studies.plan import Trial
 from bench.studies.policies import BENCH_POLICIES
 from bench.studies.schema import Limits
-from bench.trial.awake_baseline import HIGHEST_LEVEL, time_baseline, time_with_one_live
+from bench.trial.awake_baseline import HIGHEST_LEVEL, time_baseline
 from bench.trial.judging import verdict
 from bench.trial.pile_monitor import PileMonitor
 from bench.trial.playback import OnFrame, Playback, Progress
@@ -308,9 +308,7 @@ def _ratio(trial: Trial, scene: Scene, playback: Playback) -> dict[str, Any]:
         return {"frame_ratio_level": level, "frame_ratio_message": message}
     try:
         with _undisturbed():
-            where = trial.engine, trial.profile, scene.world, playback.at_level[level]
-            awake = time_baseline(*where)
-            one_live_ms = time_with_one_live(*where)
+            awake = time_baseline(trial.engine, trial.profile, scene.world, playback.at_level[level])
     except Exception as error:  # a stack that the engine rejects has no ratio, but the trial is complete
         return {"frame_ratio_message": f"{type(error).__name__}: {error}"}
     if awake.frame_ms is None:
@@ -323,7 +321,7 @@ def _ratio(trial: Trial, scene: Scene, playback: Playback) -> dict[str, Any]:
     return {
         "frame_ratio_level": level,
         "frame_ratio": statistics.fmean(steered_ms) / awake.frame_ms,
-        "frame_ratio_one_live": one_live_ms / awake.frame_ms,
+        "frame_ratio_one_live": None if awake.one_live_ms is None else awake.one_live_ms / awake.frame_ms,
     }
 
 

@@ -11,6 +11,8 @@ from reports.tables.wording import ratio_text
 
 _BRIDGE = Measure("bridge", "bridge_ms", "{:.3f}")
 """Column for engines that run in a separate process."""
+_ONE_LIVE = Measure("one live", "frame_ratio_one_live", "{:.2g}")
+"""Column for trials that measured the engine's step with one live brick."""
 MEASURES = (
     Measure("p50", "frame_ms_p50", "{:.3f}"),
     Measure("p99", "frame_ms_p99", "{:.3f}"),
@@ -19,6 +21,7 @@ MEASURES = (
     Measure("core", "core_ms", "{:.3f}"),
     Measure("port", "port_ms", "{:.3f}"),
     _BRIDGE,
+    _ONE_LIVE,
 )
 _KEYS = ("scene", "engine_name", "policy", "machine")
 
@@ -31,13 +34,10 @@ def frame_time_table(trials: pd.DataFrame) -> Table:
     """
     several = len(trials["host"].dropna().unique()) > 1
     trials = trials.assign(engine_name=engine_names(trials), machine=trials["host"].fillna(NOTHING))
-    has_bridge = bool(trials["bridge_ms"].notna().any())
-    measures = [measure for measure in MEASURES if has_bridge or measure is not _BRIDGE]
+    is_shown = {measure: bool(trials[measure.field].notna().any()) for measure in (_BRIDGE, _ONE_LIVE)}
+    measures = [measure for measure in MEASURES if is_shown.get(measure, True)]
     rows = median_rows(trials, _KEYS, measures)
-    rows["ratio at level"] = _ratios(trials)
-    has_one_live = bool(trials["frame_ratio_one_live"].notna().any())
-    if has_one_live:
-        rows["one live"] = _with_one_live(trials)
+    rows.insert(rows.shape[1] - is_shown[_ONE_LIVE], "ratio at level", _ratios(trials))
     if not several:
         rows = rows.drop(columns="machine")
     notes = (
@@ -45,7 +45,7 @@ def frame_time_table(trials: pd.DataFrame) -> Table:
         "Times in ms per frame, up to a collapse: median and 99th percentile of whole frames; means of the engine's "
         "step, of reading contacts, of the core and of freezing and unfreezing. Trials differ in height: compare "
         "heights first.",
-        *(["Bridge: the transfer to an engine in a separate process, and back; in no other time."] * has_bridge),
+        *(["Bridge: the transfer to an engine in a separate process, and back; in no other time."] * is_shown[_BRIDGE]),
         "Ratio: mean frame time while the level was placed, live bricks included, over the mean frame time of up to a "
         "second of the same stack all awake without the extension, reloaded where it falls. Above 1 the extension "
         "costs more than it saves. Each trial is a pair of times: the median of at least "
@@ -57,7 +57,7 @@ def frame_time_table(trials: pd.DataFrame) -> Table:
                 "time without the extension. This is the engine's own share in a frame that has a live brick; a frame "
                 "without a live brick may take less."
             ]
-            * has_one_live
+            * is_shown[_ONE_LIVE]
         ),
     )
     return Table.of("Frame time", rows.rename(columns={"engine_name": "engine"}), notes, id="frame_time")
@@ -68,13 +68,6 @@ def _ratios(trials: pd.DataFrame) -> list[str]:
     played = played_in_order(trials)
     groups = played.groupby(list(_KEYS), sort=False, dropna=False)
     return [_ratio(group.loc[group["frame_ratio"].notna()]) for _, group in groups]
-
-
-def _with_one_live(trials: pd.DataFrame) -> list[str]:
-    """Return the median share of the engine's step with one live brick for each row; a dash without a measurement."""
-    groups = played_in_order(trials).groupby(list(_KEYS), sort=False, dropna=False)
-    medians = [group["frame_ratio_one_live"].median() for _, group in groups]
-    return [NOTHING if pd.isna(median) else f"{median:.2g}" for median in medians]
 
 
 def _ratio(measured: pd.DataFrame) -> str:

@@ -41,7 +41,7 @@ def opened(profile: str = "game", sleeping: Sleeping = "off") -> JoltSimulation:
 def test_without_node_the_engine_is_described_and_its_one_command_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(importlib.util, "find_spec", lambda _: None)
     assert engine_version("jolt") == "1.1.0"
-    with pytest.raises(EngineNotInstalledError, match=r"Node is missing.*'uv run --group wasm -m adapters\.wasm'$"):
+    with pytest.raises(EngineNotInstalledError, match=r"Node is missing.*: uv run --group wasm -m adapters\.wasm$"):
         open_engine("jolt")
 
 

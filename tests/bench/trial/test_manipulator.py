@@ -93,9 +93,9 @@ def test_a_pull_overcomes_friction_and_keeps_its_speed() -> None:
 
 @pytest.mark.parametrize(("is_carried", "least", "most"), [(True, 0.0, 0.5), (False, 5.0, 90.0)])
 def test_a_plank_drawn_out_of_a_tower_tips_unless_the_hand_carries_its_weight(is_carried, least, most) -> None:
-    """Its centre leaves the tower 37 mm from the middle; with 10 mm inside it lifts what lies on it by 4.8 weights.
+    """With 10 mm of the plank inside, its inner end lifts what lies on it with 4.8 times the plank's weight.
 
-    The part above weighs three planks and gives way to 1.5 at its edge, so that the plank tips by degrees.
+    The plank above the inner end gives way to its own weight, so that the pulled plank tips by degrees.
     """
     pytest.importorskip("pybullet")
     from adapters import open_engine
