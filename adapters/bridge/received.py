@@ -24,7 +24,7 @@ class Finding(IntEnum):
 _VALID, _OTHER_BODIES, _STATES_NOT_FINITE, _POINTS_NOT_FINITE = map(int, Finding)
 
 
-@numba.njit("int64(float64[:], int64[:], int64, float64[:, :])", cache=True)
+@numba.njit("int64(float64[::1], int64[:], int64, float64[:, ::1])", cache=True)
 def receive(words: FloatArray, bodies: IntArray, blocks: int, table: FloatArray) -> int:
     """Check the numbers of an answer, and store each body's latest state in the row of its id.
 
