@@ -95,6 +95,7 @@ CHECKS: tuple[Check, ...] = (
     Check(housekeeping.keeps_poses_and_ids),
     Check(housekeeping.moves_a_live_brick),
     Check(housekeeping.repeats_bit_for_bit, capable=lambda capabilities: capabilities.deterministic != "no"),
+    Check(housekeeping.moves_alike_unread_and_read, capable=lambda capabilities: capabilities.deterministic != "no"),
     Check(motion.falls_freely, as_shipped=False),
     Check(motion.moves_by_impulse_over_mass, as_shipped=False),
     Check(motion.accelerates_by_force_over_mass, as_shipped=False),

@@ -1,4 +1,4 @@
-"""Checks of properties on which the harness relies: ids, errors, poses, settings, and bitwise repeatable runs."""
+"""Checks of properties on which the harness relies: ids, errors, poses, settings, and runs that repeat bit for bit."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from adapters.base import Simulation
 from adapters.conformance.rig import LENGTH, MASS, THICKNESS, Rig, advance, plank, pose, require, require_between
+from stability_core.port import FloatArray
 
 
 def _require_error(kind: type[Exception], action: Callable[[], object], what: str) -> None:
@@ -130,6 +131,29 @@ def repeats_bit_for_bit(rig: Rig) -> None:
     """Check that the same sequence of calls in two worlds gives the same poses, bit for bit."""
     first, second = tumble(rig.open()), tumble(rig.open())
     require(first == second, "the same sequence of calls gave different poses, must give equal bits")
+
+
+def _slide(simulation: Simulation) -> FloatArray:
+    """Return the positions [m] of a sliding plank and a plank that falls onto it, in 30 frames."""
+    recorded = []
+    below = simulation.spawn(plank())
+    simulation.spawn(plank(0.3 * LENGTH, 1.6 * THICKNESS, 0.02))
+    simulation.push(below, (0.2 * MASS, 0.0, 0.0))
+    for _ in range(30):
+        simulation.step(simulation.info.frame_s)
+        recorded.append(simulation.poses()[1])
+    return np.array(recorded)
+
+
+def moves_alike_unread_and_read(rig: Rig) -> None:
+    """Check that the engine moves bricks alike, bit for bit, whether the port reads it or not.
+
+    The suite reads contacts of the engine with the extension only. If reading changed the engine, then a comparison of
+    both would not measure the extension.
+    """
+    unread, read = _slide(rig.open(is_read=False)), _slide(rig.open())
+    difference = float(np.abs(unread - read).max())
+    require_between(0.0, difference, 0.0, "distance [m] between the positions without and with reading of contacts")
 
 
 def has_the_settings_of_its_profile(rig: Rig) -> None:

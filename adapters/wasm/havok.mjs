@@ -126,7 +126,6 @@ class World {
 
   substep(seconds, isRead) {
     for (const [id, force] of this.#forces) this.push(id, force.map((x) => x * seconds));
-    if (isRead) this.#watch();
     this.contacts.clear();
     const begin = performance.now();
     done(hk.HP_World_Step(this.world, seconds));
@@ -183,8 +182,11 @@ class World {
     return [this.#idAt.get(Number(a[0][0])), this.#idAt.get(Number(b[0][0])), ...a[3], ...b[3], ...a[4]];
   }
 
-  /** Make all bodies report their contacts from now on. */
-  #watch() {
+  /**
+   * Make all bodies report their contacts from now on. Havok then makes existing contacts anew, and the first substep of
+   * a contact has no friction: therefore a step is watched from its first substep on, in which no contact exists yet.
+   */
+  watch() {
     if (this.#isWatched) return;
     this.#isWatched = true;
     for (const [id, { handle }] of this.#bodies) if (id >= 0) this.#report(handle);
@@ -269,6 +271,7 @@ function checkLayout() {
   world.spawn(0, { size: [0.3, 0.2, 0.1], mass: 1, position: [0.1, 0.2, 0.05], quaternion: [0.8, 0, 0, 0.6] }, false);
   const said = [];
   world.onEvent = (event) => said.push(...world.said(event));
+  world.watch();
   world.substep(0.01, true);
   const seen = Array.from(world.contacts.numbers()).filter((_, k) => k % 14 < 11);
   const state = new Float64Array(STATE_WIDTH);

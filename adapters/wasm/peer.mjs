@@ -2,6 +2,7 @@
 //
 // An engine's module exports `load()`, which returns a function that opens a world. A world has
 //   - the commands spawn(id, brick, isMoved), remove, move, push, press, drive, turnGravity, freeze and unfreeze;
+//   - watch(), if it must know before the first substep of a step that the contacts of the last are read;
 //   - substep(seconds, isRead), which returns the duration [s] of the engine's own step;
 //   - movers(), which returns the live and moved bodies by rising id, each an object with its `id`;
 //   - writeStates(bodies, numbers, place), which writes the 13 numbers of each body's state into `numbers` from `place`;
@@ -46,6 +47,7 @@ function step(world) {
   const first = 1 + HEAD + bodies.length, end = first + blocks * block;
   answer.enlarge(end);
   let own = 0;
+  if (isRead) world.watch?.();
   for (let k = 0; k < substeps; k++) {
     if (isRead) world.writeStates(bodies, answer.words, first + k * block);
     own += world.substep(seconds, isRead && k === substeps - 1);
