@@ -21,7 +21,7 @@ from adapters.shared.contact_forces import SubstepForces, mean_force
 from scenarios.model import Brick, World
 from stability_core.port import Contacts, FloatArray, IntArray
 from stability_core.ports.shared.approach import Motions, fastest_approach
-from stability_core.ports.shared.friction_forces import with_friction
+from stability_core.ports.shared.friction_forces import Borne, with_friction
 
 
 class SubstepSimulation(Simulation):
@@ -137,28 +137,24 @@ class SubstepSimulation(Simulation):
         """Add friction forces from the bodies' change of momentum, for an engine that reports normal forces only."""
         if contacts.force is None or self._before is None:
             return contacts
-        seconds = self._substep_s * self.info.profile.substeps
-        bodies, borne = self._borne_forces(self._before.body, self._before.linear[0], seconds)
+        borne = self._borne(self._before, self._substep_s * self.info.profile.substeps)
         pairs = contacts.body_a, contacts.body_b
-        force = with_friction(pairs, contacts.normal, contacts.force, contacts.friction, bodies, borne)
+        force = with_friction(pairs, contacts.point, contacts.normal, contacts.force, contacts.friction, borne)
         return replace(contacts, force=force)
 
-    def _borne_forces(self, bodies: IntArray, before: FloatArray, seconds: float) -> tuple[IntArray, FloatArray]:
-        """Return the live bodies among ``bodies``, and the mean total contact force [N] on each in the frame.
-
-        The forces follow from the changes of the bodies' momentum.
+    def _borne(self, before: Motions, seconds: float) -> Borne:
+        """Return what the contacts of the live bodies bear, by their changed motion in the frame, without host forces.
 
         Args:
-            bodies: ids in rising order, shape (k,).
-            before: velocities [m/s] of these bodies at the start of the frame, shape (k, 3).
+            before: motions in the frame, of which the first counts.
             seconds: length of the frame.
-
-        Returns:
-            Ids (m,), and forces (m, 3) [N].
         """
-        rows = np.flatnonzero([body in self.bodies.live for body in bodies.tolist()])
-        live = bodies[rows]
-        mass = np.array([self.bodies.live[body] for body in live.tolist()])[:, None]
+        rows = np.flatnonzero([body in self.bodies.live for body in before.body.tolist()])
+        live = before.body[rows]
+        mass = np.array([self.bodies.live[body] for body in live.tolist()])
         steady = np.array([self.bodies.steady.get(body, NO_FORCE) for body in live.tolist()]).reshape(-1, 3)
-        gained = (self._velocities(live)[0] - before[rows]) / seconds
-        return live, mass * (gained - np.array(self.world.gravity)) - steady
+        linear, angular = self._velocities(live)
+        gained = (linear - before.linear[0, rows]) / seconds
+        turned = (angular - before.angular[0, rows]) / seconds
+        force = mass[:, None] * (gained - np.array(self.world.gravity)) - steady
+        return Borne(live, force, self._positions(live), mass * np.linalg.norm(turned, axis=1))

@@ -23,6 +23,7 @@ from stability_core.ports.shared.body_motions import (
     CENTER,
     COLUMNS,
     POSE,
+    SPIN,
     VELOCITY,
     check_finite,
     motions_of,
@@ -32,7 +33,7 @@ from stability_core.ports.shared.body_motions import (
 from stability_core.ports.shared.free_bodies import FreeBodies
 from stability_core.ports.shared.free_body_world import FreeBodyWorld, Vector
 from stability_core.ports.shared.free_flight import FreeFlight, check_steps
-from stability_core.ports.shared.friction_forces import with_friction
+from stability_core.ports.shared.friction_forces import Borne, with_friction
 from stability_core.ports.shared.nothing import NO_CONTACTS, NO_MASSES
 from stability_core.ports.shared.shapes import compile_kernels
 
@@ -125,7 +126,7 @@ class FreeBodyPort:
         point, normal, force = found.point, found.normal, found.force
         approach = fastest_approach(self._before, a, b, point, normal)
         if self._before is not None and self._dt > 0.0:
-            force = with_friction((a, b), normal, force, found.friction, *self._borne_forces(self._before))
+            force = with_friction((a, b), point, normal, force, found.friction, self._borne(self._before))
         contacts = Contacts(a, b, point, normal, found.separation, approach, found.friction, force)
         return self._bodies.shapes.completed(contacts)
 
@@ -214,15 +215,14 @@ class FreeBodyPort:
         order = np.argsort(ids)
         return ids[order], np.concatenate([self._rows, self._world.motions(movers)])[order]
 
-    def _borne_forces(self, before: Motions) -> tuple[IntArray, FloatArray]:
-        """Return the live bodies (m,) of this and the previous frame, and the sum (m, 3) [N] of their contact forces.
-
-        The forces follow from the changes of the bodies' momentum.
-        """
+    def _borne(self, before: Motions) -> Borne:
+        """Return what the contacts of the live bodies of this and the previous frame bear, by their changed motion."""
         live = np.array([body in self._bodies.live for body in self._ids.tolist()], np.bool_)
         at, is_known = rows_of_ids(before.body, self._ids)
         rows = np.flatnonzero(live & is_known)
         bodies = self._ids[rows]
-        mass = np.array([self._bodies.live[body] for body in bodies.tolist()], np.float64)[:, None]
-        gained = self._rows[rows, VELOCITY] - before.linear[0, at[rows]]
-        return bodies, mass * (gained / self._dt - np.array(self.gravity()))
+        mass = np.array([self._bodies.live[body] for body in bodies.tolist()], np.float64)
+        linear = (self._rows[rows, VELOCITY] - before.linear[0, at[rows]]) / self._dt
+        angular = (self._rows[rows, SPIN] - before.angular[0, at[rows]]) / self._dt
+        force = mass[:, None] * (linear - np.array(self.gravity()))
+        return Borne(bodies, force, self._rows[rows, CENTER], mass * np.linalg.norm(angular, axis=1))
