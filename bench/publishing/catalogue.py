@@ -100,9 +100,9 @@ PUBLICATIONS: dict[str, Publication] = {
         ),
     ),
     "at_once": Publication(
-        "prebuilt stacks in pairs, profile `game`, five 3-D engines, without the extension and with `equilibrium`",
+        "prebuilt stacks in pairs, `game` and `tuned`, five 3-D engines, without the extension and with `equilibrium`",
         "at_once",
-        Selection(profiles=("game",)),
+        is_timed=False,
     ),
     "issues": Publication(
         "stacks of public threads: reported outcomes, outcomes on nine engines in `game`, and exact outcomes",
