@@ -19,10 +19,14 @@ import numpy as np
 from adapters import open_engine
 from bench.studies.policies import BENCH_POLICIES
 from bench.trial.playback import Playback
+from bench.welding import WeldExtension
+from bench.welding.balance import residuals
+from bench.welding.settings import MAX_RESIDUAL
 from reports.records.frames import FrameRow
 from scenarios.model import Remove, Scene
 from scenarios.registry import build
 from stability_core.port import FloatArray, IntArray
+from stability_core.settings import ROUNDING_S
 
 WATCH_S = 5.0
 """Time [s] after the removal of the walls, and after the strike."""
@@ -44,6 +48,8 @@ class Mould:
     """Number of joints that part within 0.2 s after the strike, or 0 without joints."""
     moved: int
     """Number of bricks that move by a thickness in the 5 s after the strike."""
+    unheld: int
+    """Number of bricks whose own weight no contact forces hold, in the first frame without walls; 0 without joints."""
     frame_ms: float
     """Median time [ms] of a frame in the 5 s after the walls are removed."""
 
@@ -54,7 +60,7 @@ def mould(engine: str, policy: str, bricks: int = 30, draw: int = 1, profile: st
     scene = build("mould", bricks=bricks, draw=draw, strike=STRIKE)
     removed_s = max(action.time for action in scene.actions if isinstance(action, Remove))
     struck_s = removed_s + WATCH_S
-    rows, seen = _played(scene, engine, profile, policy)
+    rows, seen = _played(scene, engine, profile, policy, removed_s)
     removed, struck, last = (
         min(seen, key=lambda frame: abs(frame.time_s - time)) for time in (removed_s, struck_s, struck_s + WATCH_S)
     )
@@ -71,24 +77,45 @@ def mould(engine: str, policy: str, bricks: int = 30, draw: int = 1, profile: st
         joints=struck.joints,
         parted=sum(row.parted or 0 for row in within(struck_s, struck_s + BLOW_S)),
         moved=sum(away(struck, last)),
+        unheld=max(frame.unheld for frame in seen),
         frame_ms=median(row.frame_ms for row in within(removed_s, struck_s)),
     )
 
 
 class _Seen(NamedTuple):
-    """A frame: its time [s], the places [m] of the bodies, and the number of joints."""
+    """A frame: its time [s], the places [m] of the bodies, and the number of joints.
+
+    ``unheld`` is the number of unheld bodies in the first frame without walls, and 0 in all other frames.
+    """
 
     time_s: float
     places: dict[int, FloatArray]
     joints: int
+    unheld: int
 
 
-def _played(scene: Scene, engine: str, profile: str, policy: str) -> tuple[list[FrameRow], list[_Seen]]:
+def _unheld(extension: WeldExtension) -> int:
+    """Return the number of bodies whose own weight no contact forces hold."""
+    rows = extension._bodies.rows
+    center, size, mass = (np.ascontiguousarray(rows[name]) for name in ("center", "size", "mass"))
+    lacking = residuals(center, size, mass, extension.gravity, extension._recent_touches(), False)
+    return int(np.count_nonzero(lacking > MAX_RESIDUAL))
+
+
+def _played(
+    scene: Scene, engine: str, profile: str, policy: str, removed_s: float
+) -> tuple[list[FrameRow], list[_Seen]]:
     seen: list[_Seen] = []
     simulation = open_engine(engine, profile, world=scene.world, expected=scene.bricks)
 
     def note(now: float, bodies: IntArray, position: FloatArray, *_: object) -> None:
-        seen.append(_Seen(now, dict(zip(bodies.tolist(), position, strict=True)), len(simulation.port._joined)))
+        extension = getattr(playback._frames, "_extension", None)
+        joints = unheld = 0
+        if isinstance(extension, WeldExtension):
+            joints = len(extension.joined)
+            is_first = now > removed_s + ROUNDING_S and seen[-1].time_s <= removed_s + ROUNDING_S
+            unheld = _unheld(extension) if is_first else 0
+        seen.append(_Seen(now, dict(zip(bodies.tolist(), position, strict=True)), joints, unheld))
 
     try:
         steering = policy if BENCH_POLICIES[policy].is_steered else None

@@ -51,3 +51,12 @@ def test_an_engine_without_joints_says_so() -> None:
 def test_joints_keep_the_shape_of_a_mould(policy) -> None:
     """Measured: alone half of the bricks stay, joined four fifths; 0.2 is twice the binomial spread of 30 bricks."""
     assert mould("mujoco", policy).kept >= mould("mujoco", "none").kept + 0.2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("engine", ["bullet", "mujoco", "physx", "rapier", "box3d"])
+def test_a_strike_parts_joints_near_the_struck_brick_only(engine) -> None:
+    """Measured: a strike parts at most a third of the joints and moves at most 3 of 30 bricks; others stay joined."""
+    struck = mould(engine, "weld")
+    assert struck.parted <= struck.joints / 2
+    assert struck.moved <= 5
