@@ -205,9 +205,12 @@ class BulletSimulation(SubstepSimulation):
 
     def _join(self, pair: Pair) -> None:
         self._engine.join(pair, math.hypot(*self.bricks[pair[0]].size) / 4)
+        if all(self.bricks[body].shape == "box" for body in pair):  # whose contacts the port adds
+            self._let_collide(pair, do=False)
 
     def _part(self, pair: Pair) -> None:
         self._engine.part(pair)
+        self._let_collide(pair, do=True)
 
     def _contacts(self) -> Contacts:
         listed = self._listed()
@@ -230,6 +233,13 @@ class BulletSimulation(SubstepSimulation):
         self._engine.close()
 
     # -- helpers --------------------------------------------------------------------------------------
+
+    def _let_collide(self, pair: Pair, *, do: bool) -> None:
+        """Set whether a pair collides.
+
+        Joint and contact together make a stack at rest tremble, by 0.02 to 0.2 mm/s in ``tuned``.
+        """
+        self._engine.let_collide(*(self._handles[body] for body in pair), do=do)
 
     def _listed(self) -> list[Listed]:
         """Return every contact that touches a live body, without duplicates: bodies a and b, and Bullet's row."""

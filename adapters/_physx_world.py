@@ -54,6 +54,7 @@ class PhysxWorld:
         While the map holds the Python object of a component, SAPIEN returns this object for the component.
         """
         self._joints: dict[tuple[int, int], list[Any]] = {}  # of each joined pair
+        self._without_contact: set[tuple[int, int]] = set()  # joined pairs that PhysX does not collide
         self._removed_components: list[Any] = []  # removed after the latest step
         self.states = BodyStates(self.system, self.components, self.body_of)
 
@@ -104,6 +105,8 @@ class PhysxWorld:
     def join(self, pair: tuple[int, int], radius: float) -> None:
         """Join two bodies by joints that lock three points, ``radius`` [m] from the middle of the bodies' centres."""
         first, second = (self.components[body] for body in pair)
+        if not self._collides(pair):
+            self._without_contact.add(pair)
         poses = [component.entity.pose for component in (first, second)]
         middle = (poses[0].p + poses[1].p) / 2
         self._joints[pair] = []
@@ -118,16 +121,20 @@ class PhysxWorld:
             self._joints[pair].append(joint)
 
     def part(self, pair: tuple[int, int]) -> None:
-        """Remove the joints of two bodies, and make PhysX consider their contacts again.
+        """Remove the joints of two bodies, wake both, and make PhysX collide them if it does not.
 
-        PhysX drops the contacts of jointed bodies, and otherwise does not find them again after the joint's end.
+        PhysX ignores a new pair of jointed bodies, but keeps a pair that it already collides. If PhysX filters the
+        pairs of a body anew, it drops the contacts of all pairs in which the body is joined. Therefore the method does
+        so only for a pair that was joined before PhysX listed the pair.
         """
         for joint in self._joints.pop(pair):
             joint.entity.remove_component(joint)
         for body in pair:
-            (shape,) = self.components[body].collision_shapes
-            shape.set_collision_groups(shape.get_collision_groups())
             self.components[body].wake_up()
+            if pair in self._without_contact:
+                (shape,) = self.components[body].collision_shapes
+                shape.set_collision_groups(shape.get_collision_groups())
+        self._without_contact.discard(pair)
 
     def set_gravity(self, gravity: Vector) -> None:
         """Set the gravity [m/s2] of the steps that follow."""
@@ -151,6 +158,11 @@ class PhysxWorld:
         """Free the world."""
         self.components.clear()
         self._scene.clear()
+
+    def _collides(self, pair: tuple[int, int]) -> bool:
+        """Return whether PhysX listed a contact of two bodies in the latest step."""
+        wanted = {self.components[body] for body in pair}
+        return any(wanted == set(contact.bodies) for contact in self.system.get_contacts())
 
     def _add(self, component: Any, brick: Brick) -> None:
         shape = _shape(brick, self._material)

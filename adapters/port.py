@@ -24,7 +24,7 @@ from adapters.hooks import EngineHooks, Pair
 from adapters.shared.bodies import NO_FORCE
 from adapters.shared.contact_completion import BoxTable, edges_of, joined
 from adapters.shared.convex_contacts import ConvexContacts
-from adapters.shared.live_pairs import of_live
+from adapters.shared.live_pairs import contact_pairs, of_live
 from adapters.shared.refusals import check_weldable
 from adapters.shared.swept_contacts import HORIZON
 from scenarios.model import Brick
@@ -197,9 +197,20 @@ class EnginePort:
         live = self._place_boxes(self._bodies.live)
         if self._bodies.moved:
             self._place_boxes(self._bodies.moved)
-        whole = self._boxes.with_missing_corners(contacts)
+        whole = self._with_joined(self._boxes.with_missing_corners(contacts))
         near = self._boxes.with_near_pairs(whole, live, self._engine.world.friction, self._velocities_at)
         return self._with_impacts(near, len(whole))
+
+    def _with_joined(self, contacts: Contacts) -> Contacts:
+        """Add the contacts of joined pairs that the engine does not collide, because they may overlap."""
+        if not self._joined:
+            return contacts
+        rows = np.unique(np.array(list(self._joined)))
+        found = self._boxes.with_near_pairs(
+            NO_CONTACTS, rows, self._engine.world.friction, self._velocities_at, MAX_REST_OVERLAP
+        )
+        unlisted = self._joined - set(contact_pairs(contacts))
+        return joined(contacts, found.chosen(np.array([pair in unlisted for pair in contact_pairs(found)], np.bool_)))
 
     def _with_impacts(self, contacts: Contacts, first: int) -> Contacts:
         """Return the contacts with the approach before the impact, for near pairs that met and parted in the frame.

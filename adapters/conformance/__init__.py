@@ -174,6 +174,7 @@ CHECKS: tuple[Check, ...] = (
     Check(welds.moves_as_one_body, capable=_joins, as_shipped=False),
     Check(welds.holds_a_chain_of_ten, capable=_joins, as_shipped=False),
     Check(welds.joins_once, capable=_joins),
+    Check(welds.keeps_the_contacts_of_joined_planks, capable=_joins),
     Check(welds.ends_joints_with_their_bodies, capable=_joins, as_shipped=False),
     Check(welds.refuses_to_join_what_is_not_live, capable=_joins),
     Check(welds.refuses_to_join, capable=lambda capabilities: not _joins(capabilities)),

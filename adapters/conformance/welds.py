@@ -16,6 +16,7 @@ from adapters.conformance.rig import (
     WEIGHTLESS,
     Rig,
     advance,
+    pairs,
     plank,
     pose,
     require,
@@ -146,6 +147,29 @@ def joins_once(rig: Rig) -> None:
     simulation.port.part([(lower, upper)])
     simulation.port.part([(upper, lower)])
     require(_tips(simulation, upper), "a pair that was joined twice and parted once is still joined, must be parted")
+
+
+def keeps_the_contacts_of_joined_planks(rig: Rig) -> None:
+    """Check that the port lists the contacts of joined planks, also after the host has parted one of them.
+
+    PhysX collides no new pair of jointed bodies, and drops their contacts when it filters the pairs of one body anew.
+    """
+    simulation = rig.open()
+    column = [simulation.spawn(plank(z=(level + 0.5) * THICKNESS)) for level in range(4)]
+    links = list(pairwise(column))
+    advance(simulation, 0.1)
+    simulation.port.join(links)
+    advance(simulation, 0.1)
+    simulation.port.part([links[1]])
+    for when in ("in the frame after one joint of four planks was parted", "0.2 s later"):
+        advance(simulation, simulation.info.frame_s)
+        seen: set[tuple[int, int]] = set()
+        for _ in range(3):  # engines drop the contacts of a pair for single frames
+            seen |= pairs(simulation.port.contacts())
+            advance(simulation, simulation.info.frame_s)
+        missing = sorted(set(links) - seen)
+        require(not missing, f"pairs without a contact {when}: measured {missing}, must be none")
+        advance(simulation, 0.2)
 
 
 def ends_joints_with_their_bodies(rig: Rig) -> None:

@@ -36,3 +36,9 @@ def live_pairs(
         ids_of: returns bodies a and b of a pair.
     """
     yield from pairs_of(bodies.live, len(bodies.bricks), every, of_body, ids_of)
+
+
+def contact_pairs(contacts: Contacts) -> list[tuple[int, int]]:
+    """Return the pair of each contact, the smaller id first."""
+    ids = np.sort(np.stack((contacts.body_a, contacts.body_b), axis=1), axis=1)
+    return [(a, b) for a, b in ids.tolist()]

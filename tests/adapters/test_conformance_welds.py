@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 
+import numpy as np
 import pybullet
 import pytest
 
@@ -9,6 +10,7 @@ from adapters._bullet import BulletSimulation
 from adapters.conformance import CHECKS
 from adapters.hooks import Pair
 from adapters.port import EnginePort
+from stability_core.port import Contacts
 from tests.adapters.broken import assert_caught
 
 CHECK = {check.name: check for check in CHECKS if check.measure.__module__ == "adapters.conformance.welds"}
@@ -63,6 +65,21 @@ class KeepsJoints(EnginePort):
     def part_from_all(self, body: int) -> None: ...
 
 
+class DropsContacts(EnginePort):
+    """Lists no contact of a joined pair once a joint of one of its bodies was parted."""
+
+    def part(self, pairs: Iterable[Pair]) -> None:
+        listed = list(pairs)
+        super().part(listed)
+        self._filtered = {body for pair in listed for body in pair}
+
+    def contacts(self) -> Contacts:
+        contacts, filtered = super().contacts(), getattr(self, "_filtered", set())
+        bodies = zip(contacts.body_a.tolist(), contacts.body_b.tolist(), strict=True)
+        is_kept = [(a, b) not in self._joined or filtered.isdisjoint((a, b)) for a, b in bodies]
+        return contacts.chosen(np.array(is_kept, np.bool_))
+
+
 class RefusesNothing(EnginePort):
     def join(self, pairs: Iterable[Pair]) -> None: ...
 
@@ -75,6 +92,7 @@ BROKEN = [
     (NeverJoins, "holds_an_overhanging_plank"),
     (NeverParts, "holds_an_overhanging_plank"),
     (ForgetsItsPairs, "joins_once"),
+    (DropsContacts, "keeps_the_contacts_of_joined_planks"),
     (KeepsJoints, "ends_joints_with_their_bodies"),
     (RefusesNothing, "refuses_to_join_what_is_not_live"),
     (RefusesNothing, "refuses_to_join"),
