@@ -31,6 +31,8 @@ _SPIN_S = 2.5e-4
 """Time [s] before and after the expected arrival of an answer in which ``Peer`` polls without sleep. The system needs
 about 25 us to wake a sleeping process, a quarter of the bridge's cost at 100 bodies. For the rest of the wait ``Peer``
 sleeps, so that the processor is free for other trials."""
+_FD_SETSIZE = 1024
+"""First file descriptor that ``select`` cannot wait for."""
 _LAST_LINES = 2**12
 """Number of bytes at the end of the engine's stderr in which ``Peer`` looks for the last line."""
 _LAUNCH = (
@@ -127,7 +129,12 @@ class Peer:
                 raise self._exited() from None
 
     def _await_beginning(self) -> None:
-        """Wait until an answer begins, at most ``_SPIN_S`` longer than the wait for the latest answer."""
+        """Wait until an answer begins, at most ``_SPIN_S`` longer than the wait for the latest answer.
+
+        ``poll`` sleeps for whole milliseconds only. Therefore ``select`` sleeps here, if it can wait for the pipe.
+        """
+        if self._out >= _FD_SETSIZE:
+            return
         begun = monotonic()
         quiet_s = self._expected_s - _SPIN_S
         if quiet_s > 0.0:
