@@ -9,6 +9,7 @@ import numpy as np
 
 from adapters.base import Simulation
 from adapters.profile import Capabilities
+from adapters.shared.live_pairs import contact_pairs
 from scenarios.model import CLEARANCE, Brick, Vector, World
 from stability_core.port import Contacts, FloatArray
 
@@ -141,7 +142,7 @@ def touching(contacts: Contacts, body: int) -> Contacts:
 
 def pairs(contacts: Contacts) -> set[tuple[int, int]]:
     """Return the pairs of ids that have contacts, the smaller id first."""
-    return {(min(pair), max(pair)) for pair in zip(contacts.body_a.tolist(), contacts.body_b.tolist(), strict=True)}
+    return set(contact_pairs(contacts))
 
 
 def approach_speed(contacts: Contacts) -> float:
