@@ -121,7 +121,7 @@ def decide(
             return falls
         held, force, rest, residual = correct(aim, rows, start, y, MORE_STEPS)
     if held:
-        if are_vertical or _held_by_verticals(problem, level)[0]:
+        if are_vertical or (_is_vertical(problem.load) and _held_by_verticals(problem, level)[0]):
             return "stable", force, rest, residual
         return _arising(problem, force, residual, displacement)
     falls = _falls_by_itself(problem, takes_part(rest))
@@ -281,14 +281,15 @@ def _loose(island: Problem, force: FloatArray, displacement: FloatArray) -> Bool
     loose: BoolArray = loose_in_layers(less, force)
     if not loose.any():
         return loose
-    falls = solve(less, ALL_ROWS, STRONGEST)[0] == FALLING
-    if falls:
+    if solve(less, ALL_ROWS, STRONGEST)[0] == FALLING:
         loose = loose_in_layers(island, force)
         if not loose.any():
             return loose
-    at_once = needs_prestress(less, displacement)
-    if falls or not at_once.any():
-        at_once = needs_prestress(island, displacement)  # starts from the result above
+        at_once = needs_prestress(island, displacement)
+    else:
+        at_once = needs_prestress(less, displacement)
+        if not at_once.any():
+            at_once = needs_prestress(island, displacement)  # starts from the result above
     return loose if loose.sum() < at_once.sum() else at_once
 
 
