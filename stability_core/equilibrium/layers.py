@@ -23,6 +23,7 @@ import numpy as np
 from stability_core.compiled import compiled
 from stability_core.equilibrium.compliance import COULOMB, Case, contact_law
 from stability_core.equilibrium.envelope import envelope_of, numbering
+from stability_core.equilibrium.held_clusters import HeldClusters, is_held_already, no_held_clusters, note_held
 from stability_core.equilibrium.loading import SENSITIVE, STIFFNESSES, displace_step_by_step
 from stability_core.equilibrium.problem import Problem, add_wrench, along_contacts
 from stability_core.port import BoolArray, FloatArray, IntArray
@@ -191,7 +192,8 @@ def _load(part: Problem, members: IntArray, load: FloatArray, force: FloatArray)
             part.slack / unit,
         )
         loaded = Case(scaled, STIFFNESSES[case], bound, place, envelope)
-        if not displace_step_by_step(loaded, u, False).max() <= SENSITIVE:  # starts from the solution of the last case
+        sensitivity = displace_step_by_step(loaded, u, False)  # starts from the solution of the last case
+        if not sensitivity.max() <= SENSITIVE:
             return False
         along_contacts(scaled, u, v)
         contact_law(loaded, v, force[case], tangent)
@@ -233,12 +235,15 @@ def _press(
 
 
 @compiled
-def _sweep(problem: Problem, layers: Layers, known: FloatArray, loose: BoolArray, waits_for: IntArray) -> int:
+def _sweep(
+    problem: Problem, layers: Layers, held: HeldClusters, known: FloatArray, loose: BoolArray, waits_for: IntArray
+) -> int:
     """Load the clusters from the top down, and return ALL_HELD, CYCLE, or the first cluster that contacts do not hold.
 
     Args:
         problem: n bodies and m contacts.
         layers: the clusters.
+        held: clusters that contacts held in earlier sweeps, which the sweep uses and completes.
         known: forces with which loose bodies press, shape (m, 3).
         loose: mask of the loose bodies, shape (n,).
         waits_for: output, number of contacts with unknown forces above each cluster, shape (n,).
@@ -264,7 +269,11 @@ def _sweep(problem: Problem, layers: Layers, known: FloatArray, loose: BoolArray
         force = np.empty((len(STIFFNESSES), len(mine), 3))
         if loose[root]:
             force[:] = known[mine]
-        elif not _load(_part(problem, members, mine, index), members, load, force):
+        elif is_held_already(held, root, members, load):
+            force[:] = held.force[:, mine]
+        elif _load(_part(problem, members, mine, index), members, load, force):
+            note_held(held, root, members, load, mine, force)
+        else:
             return int(root)
         size = _press(problem, layers, mine, force, load, waits_for, ready, size)
         left -= 1
@@ -336,10 +345,11 @@ def loose_in_layers(problem: Problem, force: FloatArray) -> BoolArray:
     layers = _layers_of(problem)
     n = len(layers.cluster)
     loose, waits_for = np.zeros(n, np.bool_), np.empty(n, np.int64)
+    held = no_held_clusters(n, len(problem.normal), len(STIFFNESSES))
     before, first = layers.cluster.copy(), 0  # clusters before the last unions, and the cluster without hold
     is_joined = False
     while True:
-        root = _sweep(problem, layers, force, loose, waits_for)
+        root = _sweep(problem, layers, held, force, loose, waits_for)
         if root == ALL_HELD:
             return loose
         if root == CYCLE:
