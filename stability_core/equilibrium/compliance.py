@@ -36,8 +36,8 @@ NEWTON_STEPS = 40
 """Greatest number of Newton steps from zero displacement, because standing stacks take 3 to 20 steps, and an arch of
 200 blocks takes 30 steps."""
 ROUNDS = 20
-"""Greatest number of rounds of friction bounds. Courses of touching bricks for which Newton's method fails take 1 to 4
-rounds from the last kappa with a solution."""
+"""Greatest number of rounds of friction bounds for one value of kappa. Courses of touching bricks for which Newton's
+method fails take 1 to 4 rounds from the last kappa with a solution."""
 STALLS = 20
 """Greatest number of consecutive steps of the shortest length. The search for an arch of 200 blocks takes ten of these
 steps before longer steps succeed again."""
@@ -304,16 +304,16 @@ def displace(case: Case, kappa: float, most: int, u: FloatArray) -> tuple[bool, 
 
 
 @compiled
-def displace_in_rounds(case: Case, kappa: float, u: FloatArray) -> tuple[bool, FloatArray]:
+def displace_in_rounds(case: Case, kappa: float, most: int, u: FloatArray) -> tuple[bool, FloatArray, int]:
     """Find the solution of ``displace`` by rounds of friction bounds, for cases in which Newton's method alone fails.
 
-    The function returns the same two values as ``displace``. Before and after the call, ``case.bound`` holds
-    ``COULOMB``.
+    The function returns the same two values as ``displace``, and the number of rounds, at most ``most``. Before and
+    after the call, ``case.bound`` holds ``COULOMB``.
     """
     v, force = np.empty((len(case.bound), 3)), np.empty((len(case.bound), 3))
     tangent = np.empty((len(case.bound), 3, 3))
     trial, sensitivity = np.empty_like(u), np.ones(len(u))
-    for _ in range(ROUNDS):
+    for number in range(most):
         along_contacts(case.problem, u, v)
         contact_law(case, v, force, tangent)
         for c in range(len(v)):
@@ -326,5 +326,5 @@ def displace_in_rounds(case: Case, kappa: float, u: FloatArray) -> tuple[bool, F
         found, sensitivity = displace(case, kappa, NEWTON_STEPS, trial)
         if found:
             u[:] = trial
-            return True, sensitivity
-    return False, sensitivity
+            return True, sensitivity, number + 1
+    return False, sensitivity, most

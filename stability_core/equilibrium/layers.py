@@ -24,7 +24,7 @@ from stability_core.compiled import compiled
 from stability_core.equilibrium.compliance import COULOMB, Case, contact_law
 from stability_core.equilibrium.envelope import envelope_of, numbering
 from stability_core.equilibrium.held_clusters import HeldClusters, is_held_already, no_held_clusters, note_held
-from stability_core.equilibrium.loading import SENSITIVE, STIFFNESSES, displace_step_by_step
+from stability_core.equilibrium.loading import NO_ROUNDS, SENSITIVE, STIFFNESSES, displace_step_by_step
 from stability_core.equilibrium.problem import Problem, add_wrench, along_contacts
 from stability_core.port import BoolArray, FloatArray, IntArray
 
@@ -192,7 +192,7 @@ def _load(part: Problem, members: IntArray, load: FloatArray, force: FloatArray)
             part.slack / unit,
         )
         loaded = Case(scaled, STIFFNESSES[case], bound, place, envelope)
-        sensitivity = displace_step_by_step(loaded, u, False)  # starts from the solution of the last case
+        sensitivity = displace_step_by_step(loaded, u, NO_ROUNDS)  # starts from the solution of the last case
         if not sensitivity.max() <= SENSITIVE:
             return False
         along_contacts(scaled, u, v)

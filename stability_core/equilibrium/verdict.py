@@ -14,7 +14,7 @@ import numpy as np
 
 from stability_core.equilibrium.correction import correct
 from stability_core.equilibrium.layers import loose_in_layers
-from stability_core.equilibrium.loading import STIFFNESSES, needs_prestress
+from stability_core.equilibrium.loading import ALL_ROUNDS, STIFFNESSES, needs_prestress
 from stability_core.equilibrium.newton import FALLING, HELD, STRONGEST, UNDECIDED, solve
 from stability_core.equilibrium.passing_down import pass_down
 from stability_core.equilibrium.problem import (
@@ -68,6 +68,7 @@ def decide(
     start: FloatArray | None = None,
     changed: BoolArray | None = None,
     displacement: FloatArray | None = None,
+    rounds: int = ALL_ROUNDS,
 ) -> Answer:
     """Decide whether the bodies stand, fall or are in doubt, by the cheapest proof that succeeds.
 
@@ -92,6 +93,7 @@ def decide(
             bodies.
         displacement: start of loading, shape (3, n, 6), or None for zero. Loading overwrites the start (see
             ``loading.needs_prestress``).
+        rounds: limit on the cost of loading (see ``loading.needs_prestress``). Fewer rounds leave more bodies in doubt.
 
     Returns:
         Four values:
@@ -123,11 +125,11 @@ def decide(
     if held:
         if are_vertical or (_is_vertical(problem.load) and _held_by_verticals(problem, level)[0]):
             return "stable", force, rest, residual
-        return _arising(problem, force, residual, displacement)
+        return _arising(problem, force, residual, displacement, rounds)
     falls = _falls_by_itself(problem, takes_part(rest))
     if falls is not None:
         return falls
-    return _decide_from_scratch(problem, level, displacement)
+    return _decide_from_scratch(problem, level, displacement, rounds)
 
 
 def _passed_down(problem: Problem, level: BoolArray) -> Answer | None:
@@ -180,7 +182,7 @@ def _is_vertical(load: FloatArray) -> bool:
     return not load[:, OTHER_ROWS].any()
 
 
-def _decide_from_scratch(problem: Problem, level: BoolArray, displacement: FloatArray) -> Answer:
+def _decide_from_scratch(problem: Problem, level: BoolArray, displacement: FloatArray, rounds: int) -> Answer:
     """Search from zero: vertical forces on load-bearing contacts first, then all forces in the cones.
 
     The first search costs about an eighth of the second search, because its matrix has half as many rows.
@@ -194,7 +196,7 @@ def _decide_from_scratch(problem: Problem, level: BoolArray, displacement: Float
     if verdict == FALLING:
         return "unstable", force, ray, residual
     if verdict == HELD:
-        return _arising(problem, force, residual, displacement)
+        return _arising(problem, force, residual, displacement, rounds)
     return "doubt", None, rest, residual
 
 
@@ -252,7 +254,7 @@ def _held_by_verticals(problem: Problem, level: BoolArray) -> tuple[bool, FloatA
     return verdict == HELD and _is_vertical(problem.load), forces, rest, residual
 
 
-def _arising(problem: Problem, force: FloatArray, residual: float, displacement: FloatArray) -> Answer:
+def _arising(problem: Problem, force: FloatArray, residual: float, displacement: FloatArray, rounds: int) -> Answer:
     """Return the answer for bodies that ``force`` (m, 3) holds: "stable" if loading holds all bodies, else "doubt".
 
     The function loads each island separately.
@@ -263,13 +265,13 @@ def _arising(problem: Problem, force: FloatArray, residual: float, displacement:
         members = island_of == label
         found = np.ascontiguousarray(displacement[:, members])
         island, theirs = held_by_the_rest(problem, members)
-        loose[members] = _loose(island, force[theirs], found)
+        loose[members] = _loose(island, force[theirs], found, rounds)
         displacement[:, members] = found
     verdict: Verdict = "doubt" if loose.any() else "stable"
     return verdict, force, np.zeros_like(problem.load) + loose[:, None], residual
 
 
-def _loose(island: Problem, force: FloatArray, displacement: FloatArray) -> BoolArray:
+def _loose(island: Problem, force: FloatArray, displacement: FloatArray, rounds: int) -> BoolArray:
     """Return the mask of the bodies that loading does not hold, shape (n,).
 
     Loading must hold all bodies with ``LESS_FRICTION`` of the friction. If no equilibrium exists with this friction,
@@ -285,11 +287,11 @@ def _loose(island: Problem, force: FloatArray, displacement: FloatArray) -> Bool
         loose = loose_in_layers(island, force)
         if not loose.any():
             return loose
-        at_once = needs_prestress(island, displacement)
+        at_once = needs_prestress(island, displacement, rounds)
     else:
-        at_once = needs_prestress(less, displacement)
+        at_once = needs_prestress(less, displacement, rounds)
         if not at_once.any():
-            at_once = needs_prestress(island, displacement)  # starts from the result above
+            at_once = needs_prestress(island, displacement, rounds)  # starts from the result above
     return loose if loose.sum() < at_once.sum() else at_once
 
 

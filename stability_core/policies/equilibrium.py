@@ -31,7 +31,7 @@ from stability_core.equilibrium.live_loads import (
     load_error,
     lying_on,
 )
-from stability_core.equilibrium.loading import STIFFNESSES
+from stability_core.equilibrium.loading import ALL_ROUNDS, FEW_ROUNDS, STIFFNESSES
 from stability_core.equilibrium.memory import hand_on, memory_for, recall, remember
 from stability_core.equilibrium.problem import Problem, relieved_of
 from stability_core.equilibrium.region import (
@@ -222,12 +222,14 @@ class Equilibrium(Policy):
         terms = Terms(outside, self.gravity, margin, grip, self.settings.point_radius)
         return part_of(graph, self._memory, ids, terms)
 
-    def _decide(self, graph: Graph, part: Part, problem: Problem, changed: BoolArray) -> Answer:
+    def _decide(
+        self, graph: Graph, part: Part, problem: Problem, changed: BoolArray, rounds: int = ALL_ROUNDS
+    ) -> Answer:
         """Return the answer of ``decide`` for the ``problem`` of a part, from the kept forces and displacements."""
         self._solved += len(part.ids)
         start = recall(graph, self._memory, part.patches, len(part.level))
         sag = np.ascontiguousarray(self._sag[:, part.ids])  # the kernels need this layout
-        answer = decide(problem, part.level, start, changed, sag)
+        answer = decide(problem, part.level, start, changed, sag, rounds)
         self._sag[:, part.ids] = sag
         return answer
 
@@ -245,11 +247,11 @@ class Equilibrium(Policy):
             - the reason for the freeze;
             - rows of the solved patches.
         """
-        bodies = graph.bodies
+        bodies, rounds = graph.bodies, ALL_ROUNDS if math.isinf(self.budget) else FEW_ROUNDS
         while len(group):
             for ids, is_whole in self._parts(graph, group, group):
                 part, joins = self._part(graph, ids, AS_BEFORE, 0.0, 1.0), np.isin(ids, group)
-                verdict, forces, rest, _ = self._decide(graph, part, part.problem, joins)
+                verdict, forces, rest, _ = self._decide(graph, part, part.problem, joins, rounds)
                 falls = takes_part(rest)
                 if verdict == "stable" or is_whole or (verdict == "unstable" and not (falls & ~joins).any()):
                     break

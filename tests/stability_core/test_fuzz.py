@@ -75,8 +75,8 @@ def fuzz(states: int, monkeypatch, first: int = 0) -> tuple[int, int]:
     """How many states there were up to the last, and how many decisions were re-checked; ``first`` begins a world."""
     decide, checked = policy.decide, [0]
 
-    def decide_and_check(problem, level, start=None, changed=None, displacement=None):
-        answer = decide(problem, level, start, changed, displacement)
+    def decide_and_check(problem, *arguments):
+        answer = decide(problem, *arguments)
         assert proof_is_sound(problem, answer[0], answer[1], answer[2]), answer[0]
         checked[0] += 1
         return answer
