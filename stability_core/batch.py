@@ -37,11 +37,13 @@ def unfreeze(world: World, row: int) -> None:
     """Make a frozen body live. The body keeps its patches, and counts as a load of its supports."""
     body = world.graph.bodies[row]
     body["state"], body["unsettled"], body["leans"], body["doubt"] = LIVE, True, False, PROVEN
-    body["rest_s"] = body["still_s"] = body["lean_s"] = body["steady_s"] = 0.0
+    body["rest_s"] = body["still_s"] = body["lean_s"] = body["steady_s"] = body["idle_s"] = 0.0
+    body["is_resting"] = False
     body["blow"] = body["slid"] = 0.0
     body["load_s"] = world.settings.load_s
     body["is_load"], body["load_center"], body["load_steady_s"] = True, body["center"], body["steady_s"]
-    body["load_supported_by"] = supports_as_bits(world.graph, row)
+    body["load_supported_by"] = body["stood_on"] = supports_as_bits(world.graph, row)
+    body["shifts"], body["stood_on_s"] = 0, 0.0
 
 
 class Batch:

@@ -10,7 +10,9 @@ and slides to rest:
 v' = v M / (M + m),    slide = v'^2 / (2 mu g)
 
 Here mu is the coefficient of friction, and g is the gravitational acceleration. A kinematic striker has infinite mass.
-The longest slides of a body in each frame add up, so that many weak blows unfreeze the body as well.
+The longest slides of a body in each frame add up, so that many weak blows unfreeze the body as well. If the engine
+reports forces, a striker that has touched the body lately, and is slower than ``load_speed``, trembles against the
+body, and the module ``pushes`` judges its force instead.
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stability_core.compiled import compiled
-from stability_core.contact_filter import is_impact, size_of_pair, speeds_of
+from stability_core.contact_filter import bit_of, is_impact, size_of_pair, speeds_of
 from stability_core.frame_arrays import ContactArrays
 from stability_core.port import GROUND, IntArray
 from stability_core.settings import Limits
@@ -43,6 +45,8 @@ class Blow(NamedTuple):
     """Vertical component of the contact's unit normal."""
     friction: float
     """Coulomb coefficient of the pair."""
+    has_force: bool
+    """True if the engine reports the contact's force."""
 
 
 @compiled
@@ -55,13 +59,21 @@ def _speed_after(striker: Bodies, target: Bodies, blow: Blow) -> float:
 
 
 @compiled
+def _has_touched(striker: Bodies, target: int) -> bool:
+    """Return True if a live striker already touched the target in one of the latest frames."""
+    return bool(striker.state == LIVE and ((striker.lately | striker.steady_neighbours) & bit_of(target)) != 0)
+
+
+@compiled
 def _note_blow(bodies: Bodies, striker: int, target: int, blow: Blow, limits: Limits, dt: float) -> bool:
     """Record a blow on a frozen body, and return True for the body's first effective blow in this frame."""
     row = bodies[target]
     size = size_of_pair(bodies, striker, target)
     is_hard = is_impact(blow.approach, size, limits, dt)
     slide = 0.0
-    if blow.approach > limits.rest_slip * np.sqrt(limits.gravity * size):
+    trembles = blow.has_force and _has_touched(bodies[striker], target)
+    slowest = limits.load_speed if trembles else limits.rest_slip
+    if blow.approach > slowest * np.sqrt(limits.gravity * size):
         slide = _speed_after(bodies[striker], row, blow) ** 2 / (2.0 * blow.friction * limits.gravity)
     is_first = row.blow == 0.0 and row.slid < np.inf and (slide > 0.0 or is_hard)
     row.blow = max(row.blow, slide)
@@ -91,12 +103,13 @@ def list_struck(bodies: Bodies, contacts: ContactArrays, limits: Limits, dt: flo
         approach, _ = speeds_of(relative_velocity[i], normal[i])
         if not approach > 0.0 or separation[i] > AHEAD * approach * dt:
             continue
+        blow = Blow(approach, normal[i, 2], friction[i], len(contacts.force) > 0)
         for target, striker in ((body_a[i], body_b[i]), (body_b[i], body_a[i])):
             if target == GROUND or striker == GROUND or bodies[target].state != FROZEN:
                 continue
             if bodies[striker].state != LIVE and bodies[striker].state != MOVING:
                 continue
-            if _note_blow(bodies, striker, target, Blow(approach, normal[i, 2], friction[i]), limits, dt):
+            if _note_blow(bodies, striker, target, blow, limits, dt):
                 struck[hits] = target
                 hits += 1
     kept = 0

@@ -91,6 +91,8 @@ def _note(bodies: Bodies, body: int, other: int, depth: float, stands: bool, upw
     row = bodies[body]
     row.touches = row.touches or is_stack(bodies, other)
     row.neighbours |= bit_of(other)
+    if other != GROUND:
+        row.restless = max(row.restless, bodies[other].wakes)
     if is_stack(bodies, other):
         row.frozen_neighbours |= bit_of(other)
     if stands or upward > BEARS:

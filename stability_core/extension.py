@@ -225,7 +225,7 @@ class StabilityExtension:
             skip_frame(self._world.buffers, dt)
             return UNCHANGED
         due, contacts = seen
-        if due == 0 and not self._is_pending:
+        if due == 0 and not self._is_pending and not self.policy.is_waiting:
             return UNCHANGED
         self._is_pending = False
         return self._settle(contacts, self.settings.budget)

@@ -246,6 +246,6 @@ def observe(
         bodies, rows, limit, dt, worklist[AT_REST, 1:], worklist[LEANING, 1:]
     )
     worklist[LYING, 0], worklist[GONE, 0] = list_shifted_loads(
-        bodies, rows, limit, worklist[LYING, 1:], worklist[GONE, 1:]
+        bodies, rows, limit, dt, worklist[LYING, 1:], worklist[GONE, 1:]
     )
     return FINE, frozen, worklist[:, 0].sum(), sizes.sum()

@@ -228,29 +228,6 @@ def _contacts_of(graph: Graph, buffers: FrameBuffers, ids: IntArray, frames: int
 
 
 @compiled
-def lay_all(graph: Graph, buffers: FrameBuffers, ids: IntArray, frames: int, face_angle: float) -> None:
-    """Rebuild the patches of the bodies ``ids`` from the last ``frames`` dwell frames, and mark the bodies as loads."""
-    if len(ids) == 0:
-        return
-    start, rows = _contacts_of(graph, buffers, ids, frames)
-    bodies, contacts = graph.bodies, buffers.contacts
-    for i in range(len(ids)):
-        lay_patches(graph, contacts, rows[start[i] : start[i + 1]], ids[i], face_angle)
-        row = bodies[ids[i]]
-        row.is_load = True
-        row.load_supported_by, row.load_steady_s = row.supported_by, row.steady_s
-        for k in range(3):
-            row.load_center[k] = row.center[k]
-
-
-@compiled
-def lift(graph: Graph, body: int) -> None:
-    """Remove the patches on which a body stands and leans, so that the body is no load."""
-    drop_supports(graph, body)
-    graph.bodies[body].is_load = False
-
-
-@compiled
 def supports_as_bits(graph: Graph, body: int) -> np.uint64:
     """Return the bodies on which ``body`` stands by its patches, as a set of 64 bits (see ``bit_of``)."""
     patches = graph.patches
@@ -262,3 +239,26 @@ def supports_as_bits(graph: Graph, body: int) -> np.uint64:
             bits |= bit_of(patch.lower)
         at = patch.next_support
     return bits
+
+
+@compiled
+def lay_all(graph: Graph, buffers: FrameBuffers, ids: IntArray, frames: int, face_angle: float) -> None:
+    """Rebuild the patches of the bodies ``ids`` from the last ``frames`` dwell frames, and mark the bodies as loads."""
+    if len(ids) == 0:
+        return
+    start, rows = _contacts_of(graph, buffers, ids, frames)
+    bodies, contacts = graph.bodies, buffers.contacts
+    for i in range(len(ids)):
+        lay_patches(graph, contacts, rows[start[i] : start[i + 1]], ids[i], face_angle)
+        row = bodies[ids[i]]
+        row.is_load = True
+        row.load_supported_by, row.load_steady_s = row.supported_by | supports_as_bits(graph, ids[i]), row.steady_s
+        for k in range(3):
+            row.load_center[k] = row.center[k]
+
+
+@compiled
+def lift(graph: Graph, body: int) -> None:
+    """Remove the patches on which a body stands and leans, so that the body is no load."""
+    drop_supports(graph, body)
+    graph.bodies[body].is_load = False

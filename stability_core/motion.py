@@ -34,7 +34,9 @@ def track(bodies: Bodies, masses: MassArrays, dt: float) -> int:
             body.steady_s, body.steady_neighbours = 0.0, 0
             body.doubt, body.refusal = PROVEN, NOT_REFUSED
             body.deferred = False
-            body.wakes = 0
+            body.wakes = body.shifts = body.refusals = 0
+            body.lately = body.stood_on = 0
+            body.lately_s = body.stood_on_s = body.not_before_s = 0.0
             body.size = body.depth = 0.0
         elif body.state == LIVE:
             moved = 0.0
@@ -51,6 +53,7 @@ def track(bodies: Bodies, masses: MassArrays, dt: float) -> int:
         body.slip = body.depth = 0.0
         body.carrier_normal[:] = 0.0
         body.touches = False
+        body.restless = 0
         body.supported_by = body.neighbours = body.frozen_neighbours = 0
     return frozen
 
@@ -122,6 +125,27 @@ def _time_in_place(body: Bodies, limits: Limits, fall_speed: float, turns: bool,
 
 
 @compiled
+def _dwell(body: Bodies, rest_s: float, limits: Limits) -> float:
+    """Return the time [s] that counts as rest: ``rest_s``, or the time in its place of a body that trembles."""
+    return float(rest_s if rest_s >= limits.rest_s - ROUNDING_S else body.still_s - limits.still_s + limits.rest_s)
+
+
+@compiled
+def _patience(body: Bodies, limits: Limits) -> float:
+    """Return the additional rest time [s] of a body.
+
+    The time is zero before the second unfreezing, then ``calm_s``. Each further unfreezing doubles the time, up to
+    ``longest_calm_s``, because a body that unfreezes repeatedly usually lies in a pile that still moves. The
+    unfreezings of the bodies that it touches count as well, but for one, because a body that has just landed on such a
+    pile moves with the pile.
+    """
+    wakes = max(body.wakes, body.restless - 1)
+    if wakes < 2:
+        return 0.0
+    return float(min(limits.calm_s * 2.0 ** (wakes - 2), limits.longest_calm_s))
+
+
+@compiled
 def time_at_rest(bodies: Bodies, ids: IntArray, limits: Limits, dt: float) -> None:
     """Measure the times for which each live body has been at rest, and the times for which it has kept its place.
 
@@ -142,7 +166,7 @@ def time_at_rest(bodies: Bodies, ids: IntArray, limits: Limits, dt: float) -> No
         _time_in_place(body, limits, fall_speed, turns, dt)
         free = body.touches and not body.held
         if body.speed > limits.flight_speed * fall_speed:
-            body.wakes = 0
+            body.wakes = body.refusals = 0
         sinking = abs(body.depth - body.depth_before)
         is_deep = body.depth > limits.rest_penetration * body.size and sinking > limits.rest_sinking * fall_speed * dt
         slow = not turns and body.speed <= limits.rest_speed * fall_speed and body.slip <= limits.rest_slip * fall_speed
@@ -153,7 +177,8 @@ def time_at_rest(bodies: Bodies, ids: IntArray, limits: Limits, dt: float) -> No
         )
         lies = body.supported_by != 0 and not body.held and body.speed <= limits.load_speed * fall_speed
         body.idle_s = body.idle_s + dt if slow and not is_deep and not body.held else 0.0
-        body.is_resting = body.idle_s >= limits.rest_s - ROUNDING_S
+        dwell = _dwell(body, body.idle_s, limits)
+        body.is_resting = not body.unsettled and dwell >= limits.rest_s + _patience(body, limits) - ROUNDING_S
         body.rest_s = body.rest_s + dt if free and slow and not is_deep else 0.0
         body.lean_s = body.lean_s + dt if free and leans else 0.0
         body.load_s = body.load_s + dt if lies else 0.0
@@ -175,18 +200,6 @@ def _is_asked(elapsed: float, dwell: float, again: float, dt: float, rarely: boo
     if times == int((late - dt) / again):
         return False
     return not rarely or (times & (times - 1)) == 0
-
-
-@compiled
-def _patience(body: Bodies, limits: Limits) -> float:
-    """Return the additional rest time [s] of a body.
-
-    The time is zero before the second unfreezing, then ``calm_s``. Each further unfreezing doubles the time, up to
-    ``longest_calm_s``, because a body that unfreezes repeatedly usually lies in a pile that still moves.
-    """
-    if body.wakes < 2:
-        return 0.0
-    return float(min(limits.calm_s * 2.0 ** (body.wakes - 2), limits.longest_calm_s))
 
 
 @compiled
@@ -218,9 +231,7 @@ def list_due(
         body = bodies[ids[i]]
         if body.state != LIVE or body.unsettled or body.held or not body.touches:
             continue
-        dwell = (
-            body.rest_s if body.rest_s >= limits.rest_s - ROUNDING_S else body.still_s - limits.still_s + limits.rest_s
-        )
+        dwell = _dwell(body, body.rest_s, limits)
         patience = _patience(body, limits)
         is_as_refused = body.frozen_neighbours == body.refused_among
         if is_as_refused and body.refusal == DOUBTED and body.steady_s < limits.doubt_s - ROUNDING_S:
@@ -237,18 +248,36 @@ def list_due(
 
 
 @compiled
+def _has_other_supports(body: Bodies, limits: Limits, dt: float) -> bool:
+    """Return True if a load has gained a support since its patches were built, or has lost a support.
+
+    A support is lost if the load has not touched it for ``rest_s``, because a trembling contact comes and goes.
+    """
+    body.stood_on |= body.supported_by
+    body.stood_on_s += dt
+    has_lost = False
+    if body.stood_on_s >= limits.rest_s - ROUNDING_S:
+        has_lost = (body.load_supported_by & ~body.stood_on) != 0
+        body.stood_on, body.stood_on_s = body.supported_by, 0.0
+    return bool(has_lost or (body.supported_by & ~body.load_supported_by) != 0)
+
+
+@compiled
 def list_shifted_loads(
-    bodies: Bodies, ids: IntArray, limits: Limits, lying: IntArray, gone: IntArray
+    bodies: Bodies, ids: IntArray, limits: Limits, dt: float, lying: IntArray, gone: IntArray
 ) -> tuple[int, int]:
     """List the live bodies with missing or outdated patches, and return the lengths of both lists.
 
-    After a load has kept its place for ``doubt_s``, the function lists the load once more. From then on, a joint solve
-    of the load with the stack can decide.
+    Patches are outdated after a gain or a loss of a support, and after a shift of the load. A load that trembles for
+    longer is listed more rarely: each shift doubles the distance of the next one, up to ``farthest_shift``. After a
+    load has kept its place for ``doubt_s``, the function lists the load once more, so that the judgement of a load at
+    rest is exact. From then on, a joint solve of the load with the stack can decide.
 
     Args:
         bodies: the table.
         ids: the listed bodies, shape (m,), of which only live bodies count.
         limits: the settings.
+        dt: time since the last frame [s].
         lying: output, bodies on a support with missing or outdated patches, with room for at least m bodies.
         gone: output, bodies that have patches, but no longer lie on a support, with room for at least m bodies.
     """
@@ -257,12 +286,14 @@ def list_shifted_loads(
         body = bodies[ids[i]]
         if body.state != LIVE:
             continue
-        moved = _squared_distance(body.center, body.load_center)
-        stale = body.supported_by != body.load_supported_by or moved > (limits.load_shift * body.size) ** 2
+        shift = min(limits.load_shift * 2.0**body.shifts, limits.farthest_shift) * body.size
+        has_shifted = _squared_distance(body.center, body.load_center) > shift**2
+        has_other_supports = _has_other_supports(body, limits, dt)
         keeps_place = limits.doubt_s - ROUNDING_S
         ripens = body.steady_s >= keeps_place and body.load_steady_s < keeps_place
         lies = body.load_s >= limits.load_s - ROUNDING_S
-        if lies and (stale or ripens or not body.is_load):
+        if lies and (has_shifted or has_other_supports or ripens or not body.is_load):
+            body.shifts = body.shifts + has_shifted if body.is_load else 0
             lying[n] = ids[i]
             n += 1
         elif not lies and body.is_load:

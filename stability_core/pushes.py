@@ -51,8 +51,9 @@ def _begin(row: Bodies, limits: Limits, now: float, weight: float) -> None:
 
 @compiled
 def _is_due(row: Bodies, limits: Limits, now: float) -> bool:
-    """Return True if a push has changed, or has lasted ``still_s``, since the core last judged the body's balance.
+    """Return True if a push has changed, or has lasted, since the core last judged the body's balance.
 
+    A lasting push counts after ``still_s``, then each time after twice as long.
     ``CHANGE`` limits the change, and the ratio of a lasting push to the body's weight. A force shorter than ``load_s``
     never counts, because it may be the bump of a body that has just arrived.
     """
@@ -64,7 +65,8 @@ def _is_due(row: Bodies, limits: Limits, now: float) -> bool:
         strength += row.push[k] ** 2
     change, strength = np.sqrt(change), np.sqrt(strength)
     own = row.mass * limits.gravity
-    lasts = now - row.push_judged_s >= limits.still_s and strength > CHANGE * own
+    patience = max(limits.still_s, row.push_judged_s - row.push_began_s)
+    lasts = now - row.push_judged_s >= patience and strength > CHANGE * own
     if not lasts and change <= CHANGE * (own + strength):
         return False
     row.push_judged[:], row.push_judged_s = row.push, now

@@ -138,6 +138,11 @@ class Settings:
         "1 s for which the engine must hold a body in place that statics leaves in doubt, because even a slow fall "
         "from rest moves a brick by more than ``steady_shift`` in this time",
     )
+    farthest_shift: float = _length(
+        1.6e-3,
+        "1.6 mm, because each shift of a load that trembles doubles ``load_shift``: after three shifts the core judges "
+        "the stack again only after 1.4 % of a plank's length, or once the load has kept its place for ``doubt_s``",
+    )
     steady_shift: float = _length(
         0.2e-3, "0.2 mm, because a brick that keeps its place moves less than ``wake_margin``"
     )

@@ -71,6 +71,7 @@ BODY = np.dtype(
         ("idle_s", "f8"),  # at rest by the strict rule, with any or no contacts
         ("is_resting", "?"),  # at rest for as long as freezing requires
         ("wakes", "i8"),  # number of unfreezings since it was last in flight
+        ("restless", "i8"),  # greatest ``wakes`` of a body that it touches, in the latest frame
         ("carrier_normal", "f8", (3,)),  # sum of the normals from the kinematic bodies that touch it, in this frame
         ("still_normal", "f8", (3,)),  # unit direction of that sum when it last turned by ``steady_shift``
         # duration in its place among the same neighbours
@@ -82,6 +83,8 @@ BODY = np.dtype(
         # doubt: PROVEN, or IN_DOUBT and then NOTED for a body frozen without a proof
         ("doubt", "i1"),
         ("refusal", "i1"),  # NOT_REFUSED, TOPPLES, FALLS or DOUBTED
+        ("refusals", "i8"),  # number of refusals, each after a change around it, since it was last frozen or in flight
+        ("not_before_s", "f8"),  # time before which the policy does not judge it again [s]
         ("refused_among", "u8"),  # its frozen neighbours at the last refusal
         ("deferred", "?"),  # on the worklist, but beyond the budget: judged in the next frame
         # a live body on the stack with patches in the graph
@@ -89,6 +92,9 @@ BODY = np.dtype(
         ("load_center", "f8", (3,)),  # centre of mass for which the patches were built [m]
         ("load_supported_by", "u8"),  # supports for which the patches were built, as ``supported_by``
         ("load_steady_s", "f8"),  # ``steady_s`` at the time when the patches were built [s]
+        ("stood_on", "u8"),  # all supports in the latest ``stood_on_s``, as ``supported_by``
+        ("stood_on_s", "f8"),  # [s]
+        ("shifts", "i8"),  # number of new patches because it had moved, since it came to lie on its supports
         ("provisional", "?"),  # it touches or carries live bodies, so that its patches change when it freezes
         # scratch of one frame
         ("rule", "i1"),  # its strictest rule: AT_REST, LEANING or LYING

@@ -143,7 +143,7 @@ def live_load(
         problem.normal[:, 2] = np.where(problem.normal[:, 2] >= 0.0, 1.0, -1.0)
         problem.friction[:] = 0.0
     begin = y[live]
-    force, rest = nearest_forces(problem, _VERTICAL if upright else _ALL, begin)
+    force, rest = nearest_forces(problem, _VERTICAL if upright else _ALL, begin, 0.0)
     y[live] = begin
     for i in range(len(live)):
         held[i] = np.abs(rest[i]).max() <= _HELD * problem.load[i, 2]
@@ -181,6 +181,19 @@ def contact_load(graph: Graph, buffers: FrameBuffers, part: Part, limits: Limits
     pressed = np.zeros((len(part.ids), 6))
     _add_contacts(graph, buffers, part.ids, part.size, limits, _LIVE if everything else _PUSHES, pressed)
     return pressed
+
+
+@compiled
+def live_force(graph: Graph, buffers: FrameBuffers, ids: IntArray, limits: Limits) -> FloatArray:
+    """Return the mean force [N] and moment [N, over the body's size] of live bodies on the ``ids`` (n,), shape (n, 6).
+
+    The cost is O(contacts of the latest dwell frames).
+    """
+    size, force = np.empty(len(ids)), np.zeros((len(ids), 6))
+    for i in range(len(ids)):
+        size[i] = graph.bodies[ids[i]].size
+    _add_contacts(graph, buffers, ids, size, limits, _LIVE, force)
+    return force
 
 
 @compiled

@@ -106,7 +106,7 @@ def _minimise(problem: Problem, space: Workspace, rho: float, steps: int, search
 
 
 @compiled
-def nearest_forces(problem: Problem, rows: IntArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+def nearest_forces(problem: Problem, rows: IntArray, y: FloatArray, enough: float) -> tuple[FloatArray, FloatArray]:
     """Return forces in the cones that nearly hold the bodies, or approximate the nearest forces, and the rest.
 
     The result proves nothing, because the search ends at an imbalance of ``ROUGHLY_BALANCED``, or after a few steps.
@@ -115,6 +115,7 @@ def nearest_forces(problem: Problem, rows: IntArray, y: FloatArray) -> tuple[Flo
         problem: n bodies and m contacts.
         rows: as for ``solve``.
         y: start of the search, shape (n, 6): zeros, or the result for a similar problem. The function overwrites ``y``.
+        enough: greatest component of the rest [N] at which the search ends as well.
 
     Returns:
         The forces, shape (m, 3), and the unbalanced rest, shape (n, 6).
@@ -126,7 +127,7 @@ def nearest_forces(problem: Problem, rows: IntArray, y: FloatArray) -> tuple[Flo
     for point in range(ROUGH_POINTS):
         for _ in range(ROUGH_STEPS):
             _minimise(problem, space, FIRST_RHO * 0.1**point, 1, search)
-            if greatest_imbalance(problem, force, rest) <= ROUGHLY_BALANCED:
+            if np.abs(rest).max() <= enough or greatest_imbalance(problem, force, rest) <= ROUGHLY_BALANCED:
                 return force, rest
         center[:] = y
     return force, rest

@@ -49,6 +49,9 @@ class Policy(ABC):
         """Number of solved bodies in a call of ``settle``, from which the policy defers further candidates. Only
         freezing has a budget: the policy tests frozen bodies for balance without a limit."""
 
+        self.is_waiting = False
+        """True if ``update`` must call ``settle`` in the next frame, even without a change."""
+
     def set_gravity(self, gravity: float) -> None:
         """Set the strength of gravity [m/s2], after a change of its strength or its direction.
 

@@ -31,7 +31,7 @@ from stability_core.equilibrium.live_loads import (
     load_error,
     lying_on,
 )
-from stability_core.equilibrium.loading import ALL_ROUNDS, FEW_ROUNDS, STIFFNESSES
+from stability_core.equilibrium.loading import STIFFNESSES
 from stability_core.equilibrium.memory import hand_on, memory_for, recall, remember
 from stability_core.equilibrium.problem import Problem, relieved_of
 from stability_core.equilibrium.region import (
@@ -39,6 +39,7 @@ from stability_core.equilibrium.region import (
     regions_for,
 )
 from stability_core.equilibrium.safe_settle import LEFT, SAFE, UNSOLVED, finish, keep_proofs, settle_safely
+from stability_core.equilibrium.trembling import TremblingLoads
 from stability_core.equilibrium.verdict import Answer, decide, takes_part
 from stability_core.frame_buffers import HAS_FORCES, NOW, PUSHED, FrameBuffers, listed
 from stability_core.policies.base import NOBODY, Decision, Policy
@@ -50,6 +51,7 @@ from stability_core.stack import (
     FROZEN,
     IN_DOUBT,
     NONE,
+    NOT_REFUSED,
     PROVEN,
     Graph,
 )
@@ -62,6 +64,8 @@ fifty bodies that lean on each other takes 0.5 s."""
 DEAR = 16
 """Number of bodies above which a solve is expensive. If an expensive solve leaves bodies in doubt, ``update``
 judges these bodies again only after ``doubt_s``, even if their surroundings change earlier."""
+FEW_REFUSALS = 2
+"""Number of refusals, each after a change around a body, from which the body waits before the next question."""
 FEW_TOGETHER = 16
 """Greatest number of bodies in a joint solve of live bodies with the stack below them, to bound the cost of a frame.
 The limit is ``FEW_BODIES`` if all contacts of the live bodies are load-bearing, because their solve is cheap, or if
@@ -104,10 +108,7 @@ class Equilibrium(Policy):
         """Displacements of the last loading, by body, from which the next loading starts."""
         self._solved = 0
         """Number of bodies in the solves of this frame."""
-        self._not_before = np.zeros(0)
-        """Time [s], for each body, before which the policy does not judge the body again: see ``DEAR``."""
-        self._dear: list[int] = []
-        """Bodies that an expensive solve in this frame left in doubt."""
+        self._trembling = TremblingLoads(settings)
         self._lift = np.zeros((0, 6))
         """Start of the search for the loads of live bodies, by body."""
 
@@ -121,6 +122,7 @@ class Equilibrium(Policy):
         self._wake_margin, self._wake_grip = 0.0, 1.0
         self._regions["vertices"] = self._regions["links"] = 0
         self._memory.pair[:] = NONE
+        self._trembling.forget_all()
         self._sag[:] = 0.0
 
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
@@ -135,9 +137,9 @@ class Equilibrium(Policy):
             more = len(graph.bodies) - self._sag.shape[1]
             self._sag = np.concatenate([self._sag, np.zeros((len(STIFFNESSES), more, 6))], axis=1)
             self._lift = np.concatenate([self._lift, np.zeros((more, 6))])
-            self._not_before = np.concatenate([self._not_before, np.zeros(more)])
         if len(graph.patches) > len(self._memory.pair):
             self._memory = memory_for(len(graph.patches), self._memory)
+        self._trembling.make_room(len(graph.bodies))
         safe, left, unsolved = settle_safely(
             *graph,
             self._regions,
@@ -153,14 +155,14 @@ class Equilibrium(Policy):
         if left:
             group, now = self._found[LEFT, :left].copy(), buffers.clock.item(NOW)
             if math.isfinite(self.budget):
-                group = _chosen(group, self._not_before[group] <= now)
-            together, patches, deferred = self._freeze_together(graph, group)
-            self._not_before[self._dear] = now + self.settings.doubt_s
+                group = _chosen(group, self._is_due(graph, group, now))
+            together, patches, deferred = self._freeze_together(graph, group, now)
             reasons.update(together)
             unsolved = finish(graph, self._regions, buffers, self.limits, self._found[UNSOLVED])
             hand_on(graph, self._memory, patches, np.array(list(together), np.int64))
+        self._trembling.forget(list(reasons))
         unbalanced, pushed = NOBODY, buffers.worklist.item(PUSHED, 0)
-        if unsolved or pushed:
+        if unsolved or pushed or self.is_waiting:
             changed = self._found[UNSOLVED, :unsolved]
             if pushed:
                 changed = _together(changed, listed(buffers, PUSHED))
@@ -168,7 +170,14 @@ class Equilibrium(Policy):
         self._wake_margin, self._wake_grip = self.settings.wake_margin, WAKE_GRIP
         return Decision(reasons, unbalanced, deferred)
 
-    def _freeze_together(self, graph: Graph, group: IntArray) -> tuple[dict[int, str], IntArray, IntArray]:
+    def _is_due(self, graph: Graph, group: IntArray, now: float) -> BoolArray:
+        """Return the mask (k,) of the candidates that have waited enough, or have a new frozen neighbour."""
+        rows = graph.bodies[group]
+        has_gained = (rows["frozen_neighbours"] & ~rows["refused_among"]) != 0
+        due: BoolArray = (rows["not_before_s"] <= now) | (has_gained & (rows["refusal"] != DOUBTED))
+        return due
+
+    def _freeze_together(self, graph: Graph, group: IntArray, now: float) -> tuple[dict[int, str], IntArray, IntArray]:
         """Freeze the stable candidates of ``group``, part by part of the stack, within the budget.
 
         Returns:
@@ -180,13 +189,13 @@ class Equilibrium(Policy):
         """
         reasons: dict[int, str] = {}
         solved = [group[:0]]
-        self._solved, self._dear = 0, []
+        self._solved = 0
         while len(group) and self._solved < self.budget:
             ids = component(graph, group[:1], group)
             part = group[np.isin(group, ids)]
             batch = self._batch(graph, part)
             group = np.setdiff1d(group, batch)
-            frozen, reason, patches = self._freeze_part(graph, batch)
+            frozen, reason, patches = self._freeze_part(graph, batch, now)
             reasons.update(dict.fromkeys(frozen.tolist(), reason))
             solved.append(patches)
         graph.bodies["deferred"][group] = True
@@ -222,18 +231,16 @@ class Equilibrium(Policy):
         terms = Terms(outside, self.gravity, margin, grip, self.settings.point_radius)
         return part_of(graph, self._memory, ids, terms)
 
-    def _decide(
-        self, graph: Graph, part: Part, problem: Problem, changed: BoolArray, rounds: int = ALL_ROUNDS
-    ) -> Answer:
+    def _decide(self, graph: Graph, part: Part, problem: Problem, changed: BoolArray, is_quick: bool = False) -> Answer:
         """Return the answer of ``decide`` for the ``problem`` of a part, from the kept forces and displacements."""
         self._solved += len(part.ids)
         start = recall(graph, self._memory, part.patches, len(part.level))
         sag = np.ascontiguousarray(self._sag[:, part.ids])  # the kernels need this layout
-        answer = decide(problem, part.level, start, changed, sag, rounds)
+        answer = decide(problem, part.level, start, changed, sag, is_quick)
         self._sag[:, part.ids] = sag
         return answer
 
-    def _freeze_part(self, graph: Graph, group: IntArray) -> tuple[IntArray, str, IntArray]:
+    def _freeze_part(self, graph: Graph, group: IntArray, now: float) -> tuple[IntArray, str, IntArray]:
         """Freeze the bodies of ``group`` that stand: remove falling bodies until the remaining bodies stand.
 
         Bodies in doubt freeze too, without a proof, once the engine has held the whole group in place for ``doubt_s``.
@@ -247,11 +254,11 @@ class Equilibrium(Policy):
             - the reason for the freeze;
             - rows of the solved patches.
         """
-        bodies, rounds = graph.bodies, ALL_ROUNDS if math.isinf(self.budget) else FEW_ROUNDS
+        bodies, is_quick = graph.bodies, math.isfinite(self.budget)
         while len(group):
             for ids, is_whole in self._parts(graph, group, group):
                 part, joins = self._part(graph, ids, AS_BEFORE, 0.0, 1.0), np.isin(ids, group)
-                verdict, forces, rest, _ = self._decide(graph, part, part.problem, joins, rounds)
+                verdict, forces, rest, _ = self._decide(graph, part, part.problem, joins, is_quick)
                 falls = takes_part(rest)
                 if verdict == "stable" or is_whole or (verdict == "unstable" and not (falls & ~joins).any()):
                     break
@@ -259,6 +266,7 @@ class Equilibrium(Policy):
                 remember(graph, self._memory, part.patches, forces)
                 bodies["state"][group] = FROZEN
                 bodies["leans"][group] = False
+                bodies["refusals"][group] = 0
                 self._prove(graph, ids)
                 return group, "equilibrium", part.patches
             if verdict == "doubt" and (bodies["steady_s"][group] >= self.settings.doubt_s - ROUNDING_S).all():
@@ -270,14 +278,29 @@ class Equilibrium(Policy):
             if verdict == "doubt":
                 goes |= bodies["steady_s"][group] < self.settings.doubt_s - ROUNDING_S
             refused = group[goes] if goes.any() else group
-            if verdict == "doubt" and len(ids) > DEAR:
-                self._dear += refused.tolist()
-            bodies["refusal"][refused] = DOUBTED if verdict == "doubt" else FALLS
-            bodies["refused_among"][refused] = bodies["frozen_neighbours"][refused]
+            is_dear = verdict == "doubt" and len(ids) > DEAR
+            self._refuse(graph, refused, DOUBTED if verdict == "doubt" else FALLS, now, is_dear * self.settings.doubt_s)
             if not goes.any():
                 break
             group = group[~goes]
         return group[:0], "", group[:0]
+
+    def _refuse(self, graph: Graph, refused: IntArray, reason: int, now: float, least_wait: float) -> None:
+        """Record a refusal of the bodies ``refused`` (k,), which the policy judges again after ``least_wait`` [s].
+
+        A body that the policy refuses repeatedly, although its surroundings change, waits longer each time, because it
+        usually lies in a pile that still moves.
+        """
+        bodies = graph.bodies
+        has_changed = (bodies["refusal"][refused] == NOT_REFUSED) | (
+            bodies["refused_among"][refused] != bodies["frozen_neighbours"][refused]
+        )
+        bodies["refusals"][refused] += has_changed
+        times = bodies["refusals"][refused] - FEW_REFUSALS
+        waits = np.where(times < 0, 0.0, np.minimum(self.settings.calm_s * 2.0**times, self.settings.longest_calm_s))
+        bodies["not_before_s"][refused] = now + np.maximum(waits, least_wait)
+        bodies["refusal"][refused] = reason
+        bodies["refused_among"][refused] = bodies["frozen_neighbours"][refused]
 
     def _unbalanced(self, graph: Graph, buffers: FrameBuffers, unproven: IntArray) -> IntArray:
         """Return the frozen bodies that must unfreeze, because of the bodies without a valid proof, ``unproven`` (k,).
@@ -289,15 +312,30 @@ class Equilibrium(Policy):
         """
         in_doubt = graph.bodies["doubt"][unproven] != PROVEN
         falls: IntArray = unproven[in_doubt]
-        seeds = carriers(graph, unproven[~in_doubt])
+        seeds = self._trembling.to_judge(graph, buffers, unproven[~in_doubt], self.limits)
         while len(seeds):
             among = np.isin(seeds, component(graph, seeds[:1], seeds[:0]))
             falls = _together(falls, self._unbalanced_in_part(graph, buffers, seeds[among]))
             seeds = seeds[~among]
+        self.is_waiting = self._trembling.is_waiting
         return falls
 
     def _unbalanced_in_part(self, graph: Graph, buffers: FrameBuffers, seeds: IntArray) -> IntArray:
         """Return the unbalanced frozen bodies of the part of the stack that contains all ``seeds``, shape (k,).
+
+        Loads that tremble have rules of their own (see ``trembling``).
+        """
+        near = bearing(graph, self._memory, seeds, seeds[:0], self.gravity)
+        live = lying_on(graph, near)
+        if self._tremble(graph, buffers, near, live):
+            return self._overloaded(graph, buffers, near, live)
+        falls = self._certainly_unbalanced(graph, buffers, seeds)
+        if len(falls) == 0:
+            self._trembling.note_judged(graph, near)
+        return falls
+
+    def _certainly_unbalanced(self, graph: Graph, buffers: FrameBuffers, seeds: IntArray) -> IntArray:
+        """Return the unbalanced frozen bodies as ``_unbalanced_in_part``, for loads that do not tremble.
 
         If the part is too large for a joint solve, and no proof shows which bodies fall, all ``seeds`` count as
         unbalanced.
@@ -320,7 +358,8 @@ class Equilibrium(Policy):
         """
         live = lying_on(graph, ids)
         error = load_error(graph, buffers, live, self.limits) if outside == AS_BEFORE else np.inf
-        if error < np.inf and not is_upright(graph, live):
+        upright = is_upright(graph, live)
+        if error < np.inf and not upright:
             falls = self._falls_together(graph, buffers, ids, seeds, live, FEW_BODIES)
             if falls is not None:
                 return falls
@@ -340,7 +379,6 @@ class Equilibrium(Policy):
             return goes
         if verdict == "unstable" and not pressed[takes_part(answer[2])].any():
             return goes  # the fall is certain, because no live load takes part in it
-        upright = is_upright(graph, live)
         if outside == AS_BEFORE and (upright or held.any()):
             most = FEW_BODIES if upright else FEW_TOGETHER
             falls = self._falls_together(graph, buffers, ids, seeds, live if upright else live[held], most)
@@ -349,6 +387,34 @@ class Equilibrium(Policy):
             return goes
         lacking = np.abs(answer[2]).max() if verdict == "unstable" else np.inf
         return seeds if lacking > min(error, UNCERTAIN) * np.abs(problem.load).max() else ids[:0]
+
+    def _tremble(self, graph: Graph, buffers: FrameBuffers, ids: IntArray, live: IntArray) -> bool:
+        """Return True if the ``live`` bodies on the ``ids`` tremble, and the ``ids`` are judged without them."""
+        if len(live) == 0 or is_upright(graph, live):
+            return False
+        is_certain = math.isfinite(load_error(graph, buffers, live, self.limits))
+        return not is_certain and (
+            self._trembling.are_judged(graph, self._regions, ids) or self._stand_alone(graph, ids)
+        )
+
+    def _stand_alone(self, graph: Graph, ids: IntArray) -> bool:
+        """Return True if the frozen bodies ``ids`` stand without live bodies, and record this proof."""
+        frozen = _chosen(ids, graph.bodies["state"][ids] == FROZEN)
+        part = self._part(graph, frozen, AS_BEFORE, 0.0, 1.0)
+        verdict, forces, _, _ = self._decide(graph, part, part.problem, np.ones(len(frozen), np.bool_), is_quick=True)
+        if verdict != "stable" or forces is None:
+            return False
+        remember(graph, self._memory, part.patches, forces)
+        self._prove(graph, frozen)
+        return True
+
+    def _overloaded(self, graph: Graph, buffers: FrameBuffers, ids: IntArray, live: IntArray) -> IntArray:
+        """Return the frozen bodies among the ``ids`` that the trembling ``live`` bodies overload, shape (k,)."""
+        part = self._part(graph, ids, AS_BEFORE, self._wake_margin, self._wake_grip)
+        pressed, _ = self._pressed(graph, buffers, part, live)
+        problem = part.problem._replace(load=part.problem.load - pressed)
+        frozen = graph.bodies["state"][ids] == FROZEN
+        return self._trembling.overloaded(part, problem, frozen, buffers.clock.item(NOW))
 
     def _pressed(self, graph: Graph, buffers: FrameBuffers, part: Part, live: IntArray) -> tuple[FloatArray, BoolArray]:
         """Return the loads (n, 6) of ``live`` bodies (k,) on a part, and the mask (k,) of live bodies that forces hold.
@@ -382,8 +448,10 @@ class Equilibrium(Policy):
         together = _together(_together(ids, borne), joint)
         if len(together) > most:
             return None
-        part = self._part(graph, together, AS_BEFORE, self._wake_margin, self._wake_grip)
         others = np.setdiff1d(lying_on(graph, together), together)
+        if self._tremble(graph, buffers, together, others):
+            return self._overloaded(graph, buffers, together, others)
+        part = self._part(graph, together, AS_BEFORE, self._wake_margin, self._wake_grip)
         pressed, _ = self._pressed(graph, buffers, part, others)
         problem = part.problem._replace(load=part.problem.load - pressed)
         answer = self._decide(graph, part, problem, np.isin(together, seeds))
