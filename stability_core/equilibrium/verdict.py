@@ -8,7 +8,7 @@
 
 from __future__ import annotations
 
-from typing import Literal, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -50,12 +50,23 @@ fell in two of three engines."""
 FEW = 0.25
 """Greatest fraction of the bodies in a test for a fall with neighbours. A larger test would cost as much as the steps
 of the correction."""
-MANY = 16
-"""Number of bodies above which a quick decision leaves out steps. In a pile of bricks these steps take 20 to 300 ms for
-more bodies, and rarely decide."""
 MOVES = 1e-2
 """Ratio of a body's unbalanced force to the largest unbalanced force, up to which the body takes no part in a
 mechanism."""
+
+
+class Effort(NamedTuple):
+    """A limit on the cost of a decision."""
+
+    rounds: int
+    """Greatest number of rounds of loading (see ``loading.needs_prestress``)."""
+    bodies: float
+    """Greatest number of bodies for which the decision includes the search from zero and loading at once. In a pile of
+    bricks these steps take 20 to 300 ms for more than 16 bodies, and rarely decide."""
+
+
+THOROUGH, BRIEF, QUICK = Effort(ALL_ROUNDS, np.inf), Effort(FEW_ROUNDS, np.inf), Effort(FEW_ROUNDS, 16)
+"""No limit; a limit for each frame; and a limit for the pile that moves from frame to frame."""
 
 
 def takes_part(rest: FloatArray) -> BoolArray:
@@ -71,7 +82,7 @@ def decide(
     start: FloatArray | None = None,
     changed: BoolArray | None = None,
     displacement: FloatArray | None = None,
-    is_quick: bool = False,
+    effort: Effort = THOROUGH,
 ) -> Answer:
     """Decide whether the bodies stand, fall or are in doubt, by the cheapest proof that succeeds.
 
@@ -96,8 +107,7 @@ def decide(
             bodies.
         displacement: start of loading, shape (3, n, 6), or None for zero. Loading overwrites the start (see
             ``loading.needs_prestress``).
-        is_quick: True to bound the cost. The function then loads with ``FEW_ROUNDS``. For more than ``MANY`` bodies it
-            leaves out the search from zero and loading at once, and bodies that only these steps decide are in doubt.
+        effort: limit on the cost. Bodies that only steps beyond the limit decide are in doubt.
 
     Returns:
         Four values:
@@ -129,11 +139,11 @@ def decide(
     if held:
         if are_vertical or (_is_vertical(problem.load) and _held_by_verticals(problem, level)[0]):
             return "stable", force, rest, residual
-        return _arising(problem, force, residual, displacement, is_quick)
+        return _arising(problem, force, residual, displacement, effort)
     falls = _falls_by_itself(problem, takes_part(rest))
     if falls is not None:
         return falls
-    return _decide_from_scratch(problem, level, displacement, is_quick)
+    return _decide_from_scratch(problem, level, displacement, effort)
 
 
 def _passed_down(problem: Problem, level: BoolArray) -> Answer | None:
@@ -186,7 +196,7 @@ def _is_vertical(load: FloatArray) -> bool:
     return not load[:, OTHER_ROWS].any()
 
 
-def _decide_from_scratch(problem: Problem, level: BoolArray, displacement: FloatArray, is_quick: bool) -> Answer:
+def _decide_from_scratch(problem: Problem, level: BoolArray, displacement: FloatArray, effort: Effort) -> Answer:
     """Search from zero: vertical forces on load-bearing contacts first, then all forces in the cones.
 
     The first search costs about an eighth of the second search, because its matrix has half as many rows.
@@ -194,7 +204,7 @@ def _decide_from_scratch(problem: Problem, level: BoolArray, displacement: Float
     held, force, rest, residual = _held_by_verticals(problem, level)
     if held:
         return "stable", force, rest, residual
-    if is_quick and len(rest) > MANY:
+    if len(rest) > effort.bodies:
         return "doubt", None, rest, residual
     verdict, force, ray, residual = solve(problem, ALL_ROWS, STRONGEST)
     if verdict == UNDECIDED and problem.slack.any():
@@ -202,7 +212,7 @@ def _decide_from_scratch(problem: Problem, level: BoolArray, displacement: Float
     if verdict == FALLING:
         return "unstable", force, ray, residual
     if verdict == HELD:
-        return _arising(problem, force, residual, displacement, is_quick)
+        return _arising(problem, force, residual, displacement, effort)
     return "doubt", None, rest, residual
 
 
@@ -260,7 +270,7 @@ def _held_by_verticals(problem: Problem, level: BoolArray) -> tuple[bool, FloatA
     return verdict == HELD and _is_vertical(problem.load), forces, rest, residual
 
 
-def _arising(problem: Problem, force: FloatArray, residual: float, displacement: FloatArray, is_quick: bool) -> Answer:
+def _arising(problem: Problem, force: FloatArray, residual: float, displacement: FloatArray, effort: Effort) -> Answer:
     """Return the answer for bodies that ``force`` (m, 3) holds: "stable" if loading holds all bodies, else "doubt".
 
     The function loads each island separately.
@@ -271,13 +281,13 @@ def _arising(problem: Problem, force: FloatArray, residual: float, displacement:
         members = island_of == label
         found = np.ascontiguousarray(displacement[:, members])
         island, theirs = held_by_the_rest(problem, members)
-        loose[members] = _loose(island, force[theirs], found, is_quick)
+        loose[members] = _loose(island, force[theirs], found, effort)
         displacement[:, members] = found
     verdict: Verdict = "doubt" if loose.any() else "stable"
     return verdict, force, np.zeros_like(problem.load) + loose[:, None], residual
 
 
-def _loose(island: Problem, force: FloatArray, displacement: FloatArray, is_quick: bool) -> BoolArray:
+def _loose(island: Problem, force: FloatArray, displacement: FloatArray, effort: Effort) -> BoolArray:
     """Return the mask of the bodies that loading does not hold, shape (n,).
 
     Loading must hold all bodies with ``LESS_FRICTION`` of the friction. If no equilibrium exists with this friction,
@@ -287,18 +297,17 @@ def _loose(island: Problem, force: FloatArray, displacement: FloatArray, is_quic
     """
     less = island._replace(friction=LESS_FRICTION * island.friction)
     loose: BoolArray = loose_in_layers(less, force)
-    if not loose.any() or (is_quick and len(loose) > MANY):
+    if not loose.any() or len(loose) > effort.bodies:
         return loose
-    rounds = FEW_ROUNDS if is_quick else ALL_ROUNDS
     if solve(less, ALL_ROWS, STRONGEST)[0] == FALLING:
         loose = loose_in_layers(island, force)
         if not loose.any():
             return loose
-        at_once = needs_prestress(island, displacement, rounds)
+        at_once = needs_prestress(island, displacement, effort.rounds)
     else:
-        at_once = needs_prestress(less, displacement, rounds)
+        at_once = needs_prestress(less, displacement, effort.rounds)
         if not at_once.any():
-            at_once = needs_prestress(island, displacement, rounds)  # starts from the result above
+            at_once = needs_prestress(island, displacement, effort.rounds)  # starts from the result above
     return loose if loose.sum() < at_once.sum() else at_once
 
 

@@ -40,7 +40,7 @@ from stability_core.equilibrium.region import (
 )
 from stability_core.equilibrium.safe_settle import LEFT, SAFE, UNSOLVED, finish, keep_proofs, settle_safely
 from stability_core.equilibrium.trembling import TremblingLoads
-from stability_core.equilibrium.verdict import Answer, decide, takes_part
+from stability_core.equilibrium.verdict import BRIEF, QUICK, THOROUGH, Answer, Effort, decide, takes_part
 from stability_core.frame_buffers import HAS_FORCES, NOW, PUSHED, FrameBuffers, listed
 from stability_core.policies.base import NOBODY, Decision, Policy
 from stability_core.port import BoolArray, FloatArray, IntArray
@@ -231,14 +231,24 @@ class Equilibrium(Policy):
         terms = Terms(outside, self.gravity, margin, grip, self.settings.point_radius)
         return part_of(graph, self._memory, ids, terms)
 
-    def _decide(self, graph: Graph, part: Part, problem: Problem, changed: BoolArray, is_quick: bool = False) -> Answer:
+    def _decide(
+        self, graph: Graph, part: Part, problem: Problem, changed: BoolArray, effort: Effort = THOROUGH
+    ) -> Answer:
         """Return the answer of ``decide`` for the ``problem`` of a part, from the kept forces and displacements."""
         self._solved += len(part.ids)
         start = recall(graph, self._memory, part.patches, len(part.level))
         sag = np.ascontiguousarray(self._sag[:, part.ids])  # the kernels need this layout
-        answer = decide(problem, part.level, start, changed, sag, is_quick)
+        answer = decide(problem, part.level, start, changed, sag, effort)
         self._sag[:, part.ids] = sag
         return answer
+
+    def _effort(self, graph: Graph, group: IntArray) -> Effort:
+        """Return the limit on the cost of a question about the candidates ``group`` (k,): lower for a restless pile."""
+        if math.isinf(self.budget):
+            return THOROUGH
+        rows = graph.bodies[group]
+        is_restless = (np.maximum(rows["wakes"], rows["restless"] - 1) > 1) | (rows["refusals"] > FEW_REFUSALS)
+        return QUICK if is_restless.any() else BRIEF
 
     def _freeze_part(self, graph: Graph, group: IntArray, now: float) -> tuple[IntArray, str, IntArray]:
         """Freeze the bodies of ``group`` that stand: remove falling bodies until the remaining bodies stand.
@@ -254,11 +264,11 @@ class Equilibrium(Policy):
             - the reason for the freeze;
             - rows of the solved patches.
         """
-        bodies, is_quick = graph.bodies, math.isfinite(self.budget)
+        bodies, effort = graph.bodies, self._effort(graph, group)
         while len(group):
             for ids, is_whole in self._parts(graph, group, group):
                 part, joins = self._part(graph, ids, AS_BEFORE, 0.0, 1.0), np.isin(ids, group)
-                verdict, forces, rest, _ = self._decide(graph, part, part.problem, joins, is_quick)
+                verdict, forces, rest, _ = self._decide(graph, part, part.problem, joins, effort)
                 falls = takes_part(rest)
                 if verdict == "stable" or is_whole or (verdict == "unstable" and not (falls & ~joins).any()):
                     break
@@ -401,7 +411,7 @@ class Equilibrium(Policy):
         """Return True if the frozen bodies ``ids`` stand without live bodies, and record this proof."""
         frozen = _chosen(ids, graph.bodies["state"][ids] == FROZEN)
         part = self._part(graph, frozen, AS_BEFORE, 0.0, 1.0)
-        verdict, forces, _, _ = self._decide(graph, part, part.problem, np.ones(len(frozen), np.bool_), is_quick=True)
+        verdict, forces, _, _ = self._decide(graph, part, part.problem, np.ones(len(frozen), np.bool_), QUICK)
         if verdict != "stable" or forces is None:
             return False
         remember(graph, self._memory, part.patches, forces)

@@ -120,3 +120,21 @@ def test_a_push_that_has_ceased_is_forgotten(port):
     run(extension, 60)
     approach(port, 1, 0.0, 0.0, force=(0.6 * MU * G * 3.0, 0.0, 0.0))
     assert any(change.woken for change in run(extension, 60))
+
+
+def test_a_striker_that_trembles_against_a_plank_is_left_to_its_force(port):
+    """It has touched the plank before, and the engine reports its force, which ``pushes`` judges."""
+    extension = frozen_column(port)
+    slide = SETTINGS.slide * math.hypot(0.05, 0.01, 0.005)
+    approach(port, 1, 0.0, 0.0, force=(0.0, 0.0, 0.0))
+    run(extension, 12)
+    port.touches[-1].velocity = (-2.0 * math.sqrt(2 * MU * G * slide / 9.9), 0.0, 0.0)
+    assert not any(change.woken for change in run(extension, 60))
+
+
+def test_a_blow_beyond_trembling_counts_although_the_striker_has_touched_before(port):
+    extension = frozen_column(port)
+    approach(port, 1, 0.0, 0.0, force=(0.0, 0.0, 0.0))
+    run(extension, 12)
+    port.touches[-1].velocity = (-0.9 * SETTINGS.impact_speed * FALL, 0.0, 0.0)
+    assert 1 in extension.update(DT).woken
