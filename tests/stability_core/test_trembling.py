@@ -168,7 +168,7 @@ def test_a_body_on_a_restless_pile_waits_as_long_as_the_pile(port):
     assert waited * DT == pytest.approx(SETTINGS.rest_s + 2 * SETTINGS.calm_s, abs=3 * DT)
 
 
-def test_the_rows_of_a_removed_body_carry_no_judgement_over():
+def test_a_body_that_freezes_anew_has_no_earlier_judgement():
     world = TremblingV(HEIGHT)
     extension = loaded(world)
     first_wake(extension, 30)
