@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from stability_core.manifold import supports_as_bits
-from stability_core.policies.base import NOBODY
+from stability_core.policies.base import NOBODY, Policy
 from stability_core.port import IntArray, StabilityPort
-from stability_core.stack import FROZEN, LIVE, MOVING, PROVEN, around, drop_supports, with_all_above
+from stability_core.stack import FROZEN, LIVE, MOVING, PROVEN, around, drop_supports
 from stability_core.world import World
 
 
@@ -49,11 +49,11 @@ def unfreeze(world: World, row: int) -> None:
 class Batch:
     """The bodies to freeze and the bodies to unfreeze in one frame, by row, each with its reason."""
 
-    __slots__ = ("_world", "deferred", "frozen", "woken")
+    __slots__ = ("_policy", "_world", "deferred", "frozen", "woken")
 
-    def __init__(self, world: World) -> None:
-        """Start an empty batch for the bodies of ``world``."""
-        self._world = world
+    def __init__(self, world: World, policy: Policy) -> None:
+        """Start an empty batch for the bodies of ``world``, which the ``policy`` judges."""
+        self._world, self._policy = world, policy
         self.frozen: dict[int, str] = {}
         self.woken: dict[int, str] = {}
         self.deferred = NOBODY
@@ -65,12 +65,12 @@ class Batch:
             unfreeze(self._world, row)
 
     def wake_above(self, roots: IntArray, reason: str) -> None:
-        """Unfreeze the frozen bodies of ``stack.with_all_above`` for the ``roots``, shape (k,).
+        """Unfreeze the frozen bodies among the ``roots``, shape (k,), and the frozen bodies that rest on them.
 
         If this batch also freezes one of these bodies, ``hand_over`` sends neither sleep nor wake for this body.
         """
         graph = self._world.graph
-        for row in with_all_above(graph, roots).tolist():
+        for row in self._policy.resting_on(graph, roots).tolist():
             if graph.bodies["state"][row] == FROZEN:
                 unfreeze(self._world, row)
                 graph.bodies["wakes"][row] += 1

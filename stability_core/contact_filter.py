@@ -93,6 +93,8 @@ def _note(bodies: Bodies, body: int, other: int, depth: float, stands: bool, upw
     row.neighbours |= bit_of(other)
     if other != GROUND:
         row.restless = max(row.restless, bodies[other].wakes)
+        if bodies[other].state == LIVE:
+            row.quiet_s = min(row.quiet_s, bodies[other].quiet_before_s)
     if is_stack(bodies, other):
         row.frozen_neighbours |= bit_of(other)
     if stands or upward > BEARS:
@@ -173,6 +175,24 @@ def is_impact(approach: float, size: float, limits: Limits, dt: float) -> bool:
 
 
 @compiled
+def _is_restless(bodies: Bodies, body: int, limits: Limits) -> bool:
+    """Return True if a body has unfrozen since it was last in flight, or lies in a pile that blows still shake."""
+    if body == GROUND:
+        return False
+    row = bodies[body]
+    return bool(row.wakes > 0 or (row.state == LIVE and row.quiet_before_s < limits.quiet_s))
+
+
+@compiled
+def _note_shock(bodies: Bodies, body_a: int, body_b: int, limits: Limits) -> None:
+    """Record an impact of two bodies of which one is restless. The first blow on a stack at rest does not count."""
+    if _is_restless(bodies, body_a, limits) or _is_restless(bodies, body_b, limits):
+        for body in (body_a, body_b):
+            if body != GROUND:
+                bodies[body].quiet_s = 0.0
+
+
+@compiled
 def keep_contacts(bodies: Bodies, contacts: ContactArrays, limits: Limits, dt: float, kept: ContactRows) -> int:
     """Filter one frame's contacts, and record neighbours, supports, depth and sliding speed of each live body.
 
@@ -202,6 +222,7 @@ def keep_contacts(bodies: Bodies, contacts: ContactArrays, limits: Limits, dt: f
             continue  # never for an unknown (NaN) separation, which counts as touch
         approach, slip = speeds_of(relative_velocity[i], normal[i])
         if is_impact(approach, size_of, limits, dt):
+            _note_shock(bodies, a, b, limits)
             continue
         upper = upper_of(a, b, normal[i, 2])  # a ceiling carries nothing
         level = is_level(normal[i, 2], friction[i], limits.level_tilt) and not is_immovable(bodies, upper)

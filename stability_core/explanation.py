@@ -39,6 +39,11 @@ def explain(row: Any, settings: Settings, gravity: float, dt: float, reason: str
             f"unfrozen ({reason}) and perhaps at the start of a collapse: the core judges the body again after it has "
             f"moved, or has been calm for {settings.calm_s:g} s (so far {row['lean_s']:.2f} s)"
         )
+    if row["quiet_s"] < settings.quiet_s - ROUNDING_S:
+        return (
+            f"shaken by blows: the core judges the body again {settings.quiet_s:g} s after the latest blow on its pile "
+            f"(so far {row['quiet_s']:.2f} s)"
+        )
     return _why_not_at_rest(row, settings, gravity, dt) or _why_refused(row, settings)
 
 

@@ -164,7 +164,7 @@ class StabilityExtension:
             RuntimeError: if the extension is closed.
         """
         self._check_open()
-        batch = Batch(self._world)
+        batch = Batch(self._world, self.policy)
         batch.wake_above(self._world.rows_of(bodies), "woken by the host")
         for row in batch.woken:
             self._news.pop(row, None)
@@ -345,13 +345,13 @@ class StabilityExtension:
         The ``budget`` [bodies] limits the work of the policy: see ``Policy``. The number of kept ``contacts`` bounds
         the number of new patches.
         """
-        batch, worklist = Batch(self._world), self._world.buffers.worklist
+        batch, worklist = Batch(self._world, self.policy), self._world.buffers.worklist
         if self._news:
             news, self._news = self._news, {}
             batch.wake(news)
         if moved := worklist.item(MOVED, 0):
             batch.leave_moved(worklist[MOVED, 1 : 1 + moved])
-        self._world.make_room(4 * contacts)
+        self._world.make_room(contacts)
         self.policy.budget = budget
         batch.frozen, unbalanced, batch.deferred = self.policy.settle(self._world.graph, self._world.buffers)
         if struck := worklist.item(STRUCK, 0):

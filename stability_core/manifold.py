@@ -189,6 +189,32 @@ def lay_patches(graph: Graph, contacts: ContactRows, mine: IntArray, body: int, 
 
 
 @compiled
+def _is_one_run(first: ContactRows, second: ContactRows, face_angle: float) -> bool:
+    if first.body_a != second.body_a or first.body_b != second.body_b or first.level != second.level:
+        return False
+    return bool(_share_a_face(first, second, 0.5 * face_angle))
+
+
+@compiled
+def count_faces(buffers: FrameBuffers, face_angle: float) -> int:
+    """Return an upper bound for the number of faces on which ``lay_patches`` builds patches: O(contacts).
+
+    The bound counts the runs of contacts of one pair, of one kind, and with nearly the same normal. Any two contacts
+    of a run share a face, so that a run belongs to one patch.
+    """
+    contacts, sizes = buffers.contacts, buffers.sizes
+    room = len(contacts) // len(sizes)
+    runs = 0
+    for frame in range(len(sizes)):
+        first = NONE
+        for row in range(frame * room, frame * room + sizes[frame]):
+            if first == NONE or not _is_one_run(contacts[first], contacts[row], face_angle):
+                first = row
+                runs += 1
+    return runs
+
+
+@compiled
 def _contacts_of(graph: Graph, buffers: FrameBuffers, ids: IntArray, frames: int) -> tuple[IntArray, IntArray]:
     """Return the contacts of each body in ``ids`` in the last ``frames`` dwell frames, oldest first: O(contacts).
 

@@ -33,6 +33,7 @@ def track(bodies: Bodies, masses: MassArrays, dt: float) -> int:
             body.idle_s = body.rest_s = body.still_s = body.lean_s = body.load_s = 0.0
             body.steady_s, body.steady_neighbours = 0.0, 0
             body.doubt, body.refusal = PROVEN, NOT_REFUSED
+            body.quiet_s = np.inf
             body.deferred = False
             body.wakes = body.shifts = body.refusals = 0
             body.lately = body.stood_on = 0
@@ -53,6 +54,8 @@ def track(bodies: Bodies, masses: MassArrays, dt: float) -> int:
         body.slip = body.depth = 0.0
         body.carrier_normal[:] = 0.0
         body.touches = False
+        body.quiet_s += dt
+        body.quiet_before_s = body.quiet_s
         body.restless = 0
         body.supported_by = body.neighbours = body.frozen_neighbours = 0
     return frozen
@@ -146,6 +149,15 @@ def _patience(body: Bodies, limits: Limits) -> float:
 
 
 @compiled
+def is_quiet(body: Bodies, limits: Limits) -> bool:
+    """Return True if no blow has shaken the live bodies around ``body`` for ``quiet_s``.
+
+    Blows shake a pile while it grows, and would unfreeze what freezes between two blows.
+    """
+    return bool(body.quiet_s >= limits.quiet_s - ROUNDING_S)
+
+
+@compiled
 def time_at_rest(bodies: Bodies, ids: IntArray, limits: Limits, dt: float) -> None:
     """Measure the times for which each live body has been at rest, and the times for which it has kept its place.
 
@@ -178,7 +190,8 @@ def time_at_rest(bodies: Bodies, ids: IntArray, limits: Limits, dt: float) -> No
         lies = body.supported_by != 0 and not body.held and body.speed <= limits.load_speed * fall_speed
         body.idle_s = body.idle_s + dt if slow and not is_deep and not body.held else 0.0
         dwell = _dwell(body, body.idle_s, limits)
-        body.is_resting = not body.unsettled and dwell >= limits.rest_s + _patience(body, limits) - ROUNDING_S
+        has_waited = is_quiet(body, limits) and dwell >= limits.rest_s + _patience(body, limits) - ROUNDING_S
+        body.is_resting = has_waited and not body.unsettled and not body.held
         body.rest_s = body.rest_s + dt if free and slow and not is_deep else 0.0
         body.lean_s = body.lean_s + dt if free and leans else 0.0
         body.load_s = body.load_s + dt if lies else 0.0
@@ -229,7 +242,7 @@ def list_due(
     n, m = 0, 0
     for i in range(len(ids)):
         body = bodies[ids[i]]
-        if body.state != LIVE or body.unsettled or body.held or not body.touches:
+        if body.state != LIVE or body.unsettled or body.held or not body.touches or not is_quiet(body, limits):
             continue
         dwell = _dwell(body, body.rest_s, limits)
         patience = _patience(body, limits)

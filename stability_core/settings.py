@@ -180,6 +180,12 @@ class Settings:
         "4 s, because a pile that still grows keeps moving: a body that unfreezes repeatedly waits twice as "
         "long each time, up to this time",
     )
+    quiet_s: float = _setting(
+        2.0,
+        "s",
+        "2 s without a blow, because a pile onto which bricks are poured is struck more often, and each blow unfreezes "
+        "bodies that froze since the last one",
+    )
     repose: float = _setting(
         0.0,
         "rad",

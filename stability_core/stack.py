@@ -72,6 +72,8 @@ BODY = np.dtype(
         ("is_resting", "?"),  # at rest for as long as freezing requires
         ("wakes", "i8"),  # number of unfreezings since it was last in flight
         ("restless", "i8"),  # greatest ``wakes`` of a body that it touches, in the latest frame
+        ("quiet_s", "f8"),  # since the latest blow on a restless body joined to it by contacts of live bodies
+        ("quiet_before_s", "f8"),  # the same before the contacts of the latest frame [s]
         ("carrier_normal", "f8", (3,)),  # sum of the normals from the kinematic bodies that touch it, in this frame
         ("still_normal", "f8", (3,)),  # unit direction of that sum when it last turned by ``steady_shift``
         # duration in its place among the same neighbours
@@ -310,7 +312,8 @@ def axes_of(normal: FloatArray) -> FloatArray:
 
 
 @compiled
-def _is_in_doubt(bodies: Bodies, body: int) -> bool:
+def is_in_doubt(bodies: Bodies, body: int) -> bool:
+    """Return True for a frozen body without a proof."""
     return bool(bodies[body].state == FROZEN and bodies[body].doubt != PROVEN)
 
 
@@ -344,7 +347,7 @@ def with_all_above(graph: Graph, roots: IntArray) -> IntArray:
         at = graph.bodies[found[done]].first_support
         while at != NONE:
             lower = graph.patches[at].lower
-            if lower != GROUND and not reached[lower] and _is_in_doubt(graph.bodies, lower):
+            if lower != GROUND and not reached[lower] and is_in_doubt(graph.bodies, lower):
                 reached[lower] = True
                 found[size] = lower
                 size += 1

@@ -15,6 +15,7 @@ from stability_core.compiled import WrongTypeError
 from stability_core.frame import observe
 from stability_core.frame_arrays import IDS, NO_FORCES, NUMBERS, laid_out
 from stability_core.frame_buffers import buffers_for, forget_contacts
+from stability_core.manifold import count_faces
 from stability_core.port import Contacts, IntArray, Masses
 from stability_core.rows import find_rows, rows_for, take_row
 from stability_core.settings import Settings
@@ -22,6 +23,10 @@ from stability_core.stack import BODY, FROZEN, NONE, drop_loads, drop_supports, 
 from stability_core.turning import turn_memory
 from stability_core.upright import Upright
 from stability_core.validation import BAD_SHAPE, FINE, NO_ROOM, check_ids, check_shapes, fault_of
+
+PATCHES_OF_A_FACE = 4
+"""Greatest number of patches that a frame builds for a face: for either body of a pair, as a live body and again as a
+frozen body."""
 
 
 class World:
@@ -124,10 +129,16 @@ class World:
         moved = np.linalg.norm(center[places] - table["center"][rows[places]], axis=1)
         return list(zip(rows[places].tolist(), masses.mass[places].tolist(), moved.tolist(), strict=True))
 
-    def make_room(self, patches: int) -> None:
-        """Provide at least ``patches`` free rows for patches."""
-        if patches > self.graph.spare.item(0):
-            self.graph = grown(self.graph, 0, patches)
+    def make_room(self, contacts: int) -> None:
+        """Provide enough free rows for the patches of the kept ``contacts``.
+
+        A face has at most ``PATCHES_OF_A_FACE`` patches at a time. The number of contacts bounds the number of faces,
+        and the exact count of the faces comes only if that bound exceeds the free rows.
+        """
+        if PATCHES_OF_A_FACE * contacts <= self.graph.spare.item(0):
+            return
+        faces = count_faces(self.buffers, self.settings.face_angle)
+        self.graph = grown(self.graph, 0, PATCHES_OF_A_FACE * faces)
 
     def turn(self, gravity: tuple[float, float, float]) -> bool:
         """Turn the memory if gravity has changed by more than its tolerances, and return True in this case."""

@@ -128,7 +128,7 @@ def remember(graph: Graph, memory: Memory, patches: IntArray, force: FloatArray)
 def hand_on(graph: Graph, memory: Memory, patches: IntArray, bodies: IntArray) -> None:
     """Copy the kept forces to the new rows of rebuilt patches of ``bodies`` (k,).
 
-    The cost is O(p) per patch of the bodies.
+    The cost is O(p log p), and O(log p) per patch of the bodies.
 
     Args:
         graph: the stack.
@@ -136,11 +136,15 @@ def hand_on(graph: Graph, memory: Memory, patches: IntArray, bodies: IntArray) -
         patches: the former rows, shape (p,).
         bodies: the bodies of patches that may have new rows.
     """
-    pair, force = memory.pair[patches], memory.force[patches]
+    order = np.argsort(memory.pair[patches, 0])
+    pair, force = memory.pair[patches[order]], memory.force[patches[order]]
     for body in bodies:
+        first = np.searchsorted(pair[:, 0], body)
         at = graph.bodies[body].first_support
         while at != NONE:
-            for i in range(len(patches)):
+            i = first
+            while i < len(pair) and pair[i, 0] == body:
                 if _is_of(graph, at, pair[i]):
                     memory.pair[at], memory.force[at] = pair[i], force[i]
+                i += 1
             at = graph.patches[at].next_support

@@ -9,6 +9,7 @@ import numpy as np
 
 from stability_core.compiled import compiled
 from stability_core.contact_filter import ContactRows
+from stability_core.equilibrium.live_loads import is_upright
 from stability_core.equilibrium.region import (
     Regions,
     is_safe,
@@ -25,7 +26,7 @@ from stability_core.polygon import width
 from stability_core.port import GROUND, FloatArray, IntArray
 from stability_core.settings import Limits
 from stability_core.settle import lay_due, lay_frozen, lowest_first, write_down
-from stability_core.stack import FROZEN, LIVE, NONE, TOPPLES, Bodies, Graph, Patches, sorted_ids, take_changed
+from stability_core.stack import FROZEN, LIVE, NONE, SUPPORT, TOPPLES, Bodies, Graph, Patches, sorted_ids, take_changed
 from stability_core.stack_mass import support_polygon
 
 SAFE, LEFT, UNSOLVED = range(3)
@@ -38,16 +39,41 @@ SAFE, LEFT, UNSOLVED = range(3)
 
 
 @compiled
+def _list_stacked(graph: Graph, buffers: FrameBuffers) -> None:
+    """Add to the list AT_REST the bodies at rest that stand on its bodies, directly or through other bodies: O(added).
+
+    Therefore a stack at rest freezes in one frame, at any height.
+    """
+    bodies, patches = graph.bodies, graph.patches
+    at_rest = buffers.worklist[AT_REST]
+    reached = np.zeros(len(bodies), np.bool_)
+    for body in listed(buffers, AT_REST):
+        reached[body] = True
+    done = 1
+    while done <= at_rest[0]:
+        at = bodies[at_rest[done]].first_load
+        done += 1
+        while at != NONE:
+            upper, kind = patches[at].upper, patches[at].kind
+            at = patches[at].next_load
+            if kind == SUPPORT and not reached[upper] and bodies[upper].state == LIVE and bodies[upper].is_resting:
+                reached[upper] = True
+                at_rest[0] += 1
+                at_rest[at_rest[0]] = upper
+
+
+@compiled
 def _freeze_safely(graph: Graph, regions: Regions, candidates: IntArray) -> tuple[IntArray, IntArray]:
     """Freeze the ``candidates`` in safe regions in the given order, and return the frozen and the undecided bodies.
 
     Pass the candidates lowest first, because regions build on lower regions. A body that topples alone stays live, and
-    does not count as undecided.
+    does not count as undecided. The same holds for a body that leans, and touched only live bodies in this frame.
     """
     bodies = graph.bodies
     frozen, left = np.empty(len(candidates), np.int64), np.empty(len(candidates), np.int64)
     n, m = 0, 0
-    for body in candidates:
+    for i in range(len(candidates)):
+        body = candidates[i]
         region = region_of(graph, regions, body)
         if is_safe(graph, regions, body, region):
             bodies[body].state = FROZEN
@@ -56,6 +82,8 @@ def _freeze_safely(graph: Graph, regions: Regions, candidates: IntArray) -> tupl
             keep_proof_of_neighbours(graph, regions, body)
             frozen[n] = body
             n += 1
+        elif not bodies[body].touches and not is_upright(graph, candidates[i : i + 1]):
+            continue
         elif not topples_alone(graph, body, support_polygon(graph, body)):
             left[m] = body
             m += 1
@@ -184,6 +212,8 @@ def settle_safely(
     """
     graph = Graph(bodies, patches, spare, changed)
     buffers = FrameBuffers(contacts, sizes, latest, clock, worklist)
+    if buffers.worklist[AT_REST, 0] > 0:
+        _list_stacked(graph, buffers)
     lay_due(graph, buffers, limits)
     frozen, left = _freeze_safely(graph, regions, lowest_first(graph, listed(buffers, AT_REST)))
     on_edge = _on_edge(graph, listed(buffers, LEANING), limits[0].flat_width)

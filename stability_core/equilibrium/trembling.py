@@ -105,6 +105,7 @@ class TremblingLoads:
         """Forget all judgements, because gravity has changed."""
         self._load[:] = np.nan
         self._links[:], self._multipliers[:] = 0, 0.0
+        self._since = {}
 
     def note_judged(self, graph: Graph, bodies: IntArray) -> None:
         """Record that an exact judgement has just left the ``bodies`` (k,) frozen."""

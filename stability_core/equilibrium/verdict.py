@@ -48,8 +48,8 @@ LESS_FRICTION = 0.9
 with this friction. Reason: with the true friction mu = 0.8, loading held two kinds of courses of touching bricks, which
 fell in two of three engines."""
 FEW = 0.25
-"""Greatest fraction of the bodies in a test for a fall with neighbours. A larger test would cost as much as the steps
-of the correction."""
+"""Greatest fraction of the bodies in a cheap test for a fall. A larger test costs as much as the steps of the
+correction, and far more than passing down."""
 MOVES = 1e-2
 """Ratio of a body's unbalanced force to the largest unbalanced force, up to which the body takes no part in a
 mechanism."""
@@ -89,7 +89,7 @@ def decide(
     The function tries these steps in order, until a step decides:
 
     1. test whether the changed bodies fall by themselves;
-    2. pass vertical forces from the top down (see ``passing_down``);
+    2. pass vertical forces from the top down (see ``passing_down``), before step 1 if many bodies are new;
     3. take the first steps of the correction of the kept forces;
     4. test whether the changed bodies fall with their neighbours;
     5. take the remaining steps of the correction;
@@ -124,7 +124,7 @@ def decide(
         changed = np.ones(len(problem.load), np.bool_)
     if displacement is None:
         displacement = np.zeros((len(STIFFNESSES), *problem.load.shape))
-    proof = _falls_by_itself(problem, changed) or _passed_down(problem, level)
+    proof = _cheap_proof(problem, level, changed)
     if proof is not None:
         return proof
     are_vertical = level.all() and _is_vertical(problem.load)
@@ -144,6 +144,13 @@ def decide(
     if falls is not None:
         return falls
     return _decide_from_scratch(problem, level, displacement, effort)
+
+
+def _cheap_proof(problem: Problem, level: BoolArray, changed: BoolArray) -> Answer | None:
+    """Return the proof that the ``changed`` bodies fall by themselves, or that passing down holds all, or None."""
+    if np.count_nonzero(changed) > FEW * len(changed):
+        return _passed_down(problem, level) or _falls_by_itself(problem, changed)
+    return _falls_by_itself(problem, changed) or _passed_down(problem, level)
 
 
 def _passed_down(problem: Problem, level: BoolArray) -> Answer | None:

@@ -11,7 +11,7 @@ import numpy as np
 from stability_core.frame_buffers import FrameBuffers
 from stability_core.port import IntArray
 from stability_core.settings import Settings
-from stability_core.stack import Graph
+from stability_core.stack import Graph, with_all_above
 
 NOBODY: IntArray = np.empty(0, np.int64)
 
@@ -49,9 +49,6 @@ class Policy(ABC):
         """Number of solved bodies in a call of ``settle``, from which the policy defers further candidates. Only
         freezing has a budget: the policy tests frozen bodies for balance without a limit."""
 
-        self.is_waiting = False
-        """True if ``update`` must call ``settle`` in the next frame, even without a change."""
-
     def set_gravity(self, gravity: float) -> None:
         """Set the strength of gravity [m/s2], after a change of its strength or its direction.
 
@@ -61,6 +58,16 @@ class Policy(ABC):
         """
         self.gravity = gravity
         self.limits = self.settings.limits(gravity)
+
+    @property
+    def is_waiting(self) -> bool:
+        """True if ``update`` must call ``settle`` in the next frame, even without a change."""
+        return False
+
+    def resting_on(self, graph: Graph, roots: IntArray) -> IntArray:
+        """Return the bodies ``roots`` and the frozen bodies that must unfreeze with them, shape (k,)."""
+        above: IntArray = with_all_above(graph, roots)
+        return above
 
     @abstractmethod
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:

@@ -41,6 +41,7 @@ from stability_core.equilibrium.region import (
 from stability_core.equilibrium.safe_settle import LEFT, SAFE, UNSOLVED, finish, keep_proofs, settle_safely
 from stability_core.equilibrium.trembling import TremblingLoads
 from stability_core.equilibrium.verdict import BRIEF, QUICK, THOROUGH, Answer, Effort, decide, takes_part
+from stability_core.equilibrium.waking import resting_on
 from stability_core.frame_buffers import HAS_FORCES, NOW, PUSHED, FrameBuffers, listed
 from stability_core.policies.base import NOBODY, Decision, Policy
 from stability_core.port import BoolArray, FloatArray, IntArray
@@ -61,9 +62,6 @@ WAKE_GRIP = 1.02
 TOGETHER = 12
 """Greatest number of candidates in a joint solve within a budget. In a pile few bodies hold each other, and a solve of
 fifty bodies that lean on each other takes 0.5 s."""
-DEAR = 16
-"""Number of bodies above which a solve is expensive. If an expensive solve leaves bodies in doubt, ``update``
-judges these bodies again only after ``doubt_s``, even if their surroundings change earlier."""
 FEW_REFUSALS = 2
 """Number of refusals, each after a change around a body, from which the body waits before the next question."""
 FEW_TOGETHER = 16
@@ -124,6 +122,16 @@ class Equilibrium(Policy):
         self._memory.pair[:] = NONE
         self._trembling.forget_all()
         self._sag[:] = 0.0
+
+    @property
+    def is_waiting(self) -> bool:
+        """True if a coming frame must judge a body again that seems overloaded."""
+        return self._trembling.is_waiting
+
+    def resting_on(self, graph: Graph, roots: IntArray) -> IntArray:
+        """Return the bodies ``roots`` and the frozen bodies that rest on them by the kept forces, shape (k,)."""
+        above: IntArray = resting_on(graph, self._memory, self._regions, roots, self.gravity)
+        return above
 
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
         """Freeze bodies in safe regions and other candidates that stand together, and find the frozen bodies that fall.
@@ -288,8 +296,9 @@ class Equilibrium(Policy):
             if verdict == "doubt":
                 goes |= bodies["steady_s"][group] < self.settings.doubt_s - ROUNDING_S
             refused = group[goes] if goes.any() else group
-            is_dear = verdict == "doubt" and len(ids) > DEAR
-            self._refuse(graph, refused, DOUBTED if verdict == "doubt" else FALLS, now, is_dear * self.settings.doubt_s)
+            is_expensive = verdict == "doubt" and len(ids) > QUICK.bodies
+            least_wait = is_expensive * self.settings.doubt_s  # even if the surroundings change earlier
+            self._refuse(graph, refused, DOUBTED if verdict == "doubt" else FALLS, now, least_wait)
             if not goes.any():
                 break
             group = group[~goes]
@@ -327,7 +336,6 @@ class Equilibrium(Policy):
             among = np.isin(seeds, component(graph, seeds[:1], seeds[:0]))
             falls = _together(falls, self._unbalanced_in_part(graph, buffers, seeds[among]))
             seeds = seeds[~among]
-        self.is_waiting = self._trembling.is_waiting
         return falls
 
     def _unbalanced_in_part(self, graph: Graph, buffers: FrameBuffers, seeds: IntArray) -> IntArray:
@@ -337,7 +345,7 @@ class Equilibrium(Policy):
         """
         near = bearing(graph, self._memory, seeds, seeds[:0], self.gravity)
         live = lying_on(graph, near)
-        if self._tremble(graph, buffers, near, live):
+        if self._judged_by_change(graph, buffers, near, live):
             return self._overloaded(graph, buffers, near, live)
         falls = self._certainly_unbalanced(graph, buffers, seeds)
         if len(falls) == 0:
@@ -398,8 +406,8 @@ class Equilibrium(Policy):
         lacking = np.abs(answer[2]).max() if verdict == "unstable" else np.inf
         return seeds if lacking > min(error, UNCERTAIN) * np.abs(problem.load).max() else ids[:0]
 
-    def _tremble(self, graph: Graph, buffers: FrameBuffers, ids: IntArray, live: IntArray) -> bool:
-        """Return True if the ``live`` bodies on the ``ids`` tremble, and the ``ids`` are judged without them."""
+    def _judged_by_change(self, graph: Graph, buffers: FrameBuffers, ids: IntArray, live: IntArray) -> bool:
+        """Return True if the ``live`` bodies on the ``ids`` tremble, and the ``ids`` have a proof without them."""
         if len(live) == 0 or is_upright(graph, live):
             return False
         is_certain = math.isfinite(load_error(graph, buffers, live, self.limits))
@@ -459,7 +467,7 @@ class Equilibrium(Policy):
         if len(together) > most:
             return None
         others = np.setdiff1d(lying_on(graph, together), together)
-        if self._tremble(graph, buffers, together, others):
+        if self._judged_by_change(graph, buffers, together, others):
             return self._overloaded(graph, buffers, together, others)
         part = self._part(graph, together, AS_BEFORE, self._wake_margin, self._wake_grip)
         pressed, _ = self._pressed(graph, buffers, part, others)
