@@ -6,17 +6,18 @@ from typing import Any
 
 import numpy as np
 
+from stability_core.policies.base import Policy
 from stability_core.settings import ROUNDING_S, Settings
 from stability_core.stack import DOUBTED, FALLS, FIXED, FROZEN, MOVING, TOPPLES
 
 
-def explain(row: Any, settings: Settings, gravity: float, dt: float, reason: str) -> str:
+def explain(row: Any, settings: Settings, policy: Policy, dt: float, reason: str) -> str:
     """Explain why a body is frozen or counts as moved by the host, or name the first rule that keeps a live body live.
 
     Args:
         row: a row of ``BODY``, after an update.
         settings: the tolerances.
-        gravity: gravitational acceleration [m/s2], positive.
+        policy: the policy that judges the body.
         dt: length of the latest frame [s].
         reason: reason of the body's last freezing or unfreezing, or an empty text before the first.
     """
@@ -39,12 +40,12 @@ def explain(row: Any, settings: Settings, gravity: float, dt: float, reason: str
             f"unfrozen ({reason}) and perhaps at the start of a collapse: the core judges the body again after it has "
             f"moved, or has been calm for {settings.calm_s:g} s (so far {row['lean_s']:.2f} s)"
         )
-    if row["quiet_s"] < settings.quiet_s - ROUNDING_S:
+    if policy.waits_while_shaken and row["quiet_s"] < settings.quiet_s - ROUNDING_S:
         return (
-            f"shaken by blows: the core judges the body again {settings.quiet_s:g} s after the latest blow on its pile "
-            f"(so far {row['quiet_s']:.2f} s)"
+            f"shaken by blows: the policy judges the body again {settings.quiet_s:g} s after the latest blow on its "
+            f"pile (so far {row['quiet_s']:.2f} s)"
         )
-    return _why_not_at_rest(row, settings, gravity, dt) or _why_refused(row, settings)
+    return _why_not_at_rest(row, settings, policy.gravity, dt) or _why_refused(row, settings)
 
 
 def _why_not_at_rest(row: Any, settings: Settings, gravity: float, dt: float) -> str:

@@ -201,7 +201,7 @@ class StabilityExtension:
             KeyError: for a body that the port has never listed, or has removed.
         """
         row = self._world.graph.bodies[self._world.rows_of([body])[0]]
-        return explain(row, self.settings, self.policy.gravity, self._dt, self._reasons.get(body, ""))
+        return explain(row, self.settings, self.policy, self._dt, self._reasons.get(body, ""))
 
     def update(self, dt: float) -> Change:
         """Read the world after a step of ``dt`` seconds, and freeze and unfreeze bodies.
@@ -274,7 +274,7 @@ class StabilityExtension:
         """Put the live bodies ``wanted``, shape (k,), on the worklist of every rule."""
         table, worklist = self._world.graph.bodies, self._world.buffers.worklist
         table["unsettled"][wanted] = False
-        table["load_s"][wanted] = self.settings.load_s
+        table["load_s"][wanted], table["quiet_s"][wanted] = self.settings.load_s, math.inf
         for rule in (AT_REST, LEANING, LYING):
             together = np.union1d(worklist[rule, 1 : 1 + worklist[rule, 0]], wanted)
             worklist[rule, 0], worklist[rule, 1 : 1 + len(together)] = len(together), together

@@ -149,15 +149,6 @@ def _patience(body: Bodies, limits: Limits) -> float:
 
 
 @compiled
-def is_quiet(body: Bodies, limits: Limits) -> bool:
-    """Return True if no blow has shaken the live bodies around ``body`` for ``quiet_s``.
-
-    Blows shake a pile while it grows, and would unfreeze what freezes between two blows.
-    """
-    return bool(body.quiet_s >= limits.quiet_s - ROUNDING_S)
-
-
-@compiled
 def time_at_rest(bodies: Bodies, ids: IntArray, limits: Limits, dt: float) -> None:
     """Measure the times for which each live body has been at rest, and the times for which it has kept its place.
 
@@ -190,7 +181,7 @@ def time_at_rest(bodies: Bodies, ids: IntArray, limits: Limits, dt: float) -> No
         lies = body.supported_by != 0 and not body.held and body.speed <= limits.load_speed * fall_speed
         body.idle_s = body.idle_s + dt if slow and not is_deep and not body.held else 0.0
         dwell = _dwell(body, body.idle_s, limits)
-        has_waited = is_quiet(body, limits) and dwell >= limits.rest_s + _patience(body, limits) - ROUNDING_S
+        has_waited = dwell >= limits.rest_s + _patience(body, limits) - ROUNDING_S
         body.is_resting = has_waited and not body.unsettled and not body.held
         body.rest_s = body.rest_s + dt if free and slow and not is_deep else 0.0
         body.lean_s = body.lean_s + dt if free and leans else 0.0
@@ -242,7 +233,7 @@ def list_due(
     n, m = 0, 0
     for i in range(len(ids)):
         body = bodies[ids[i]]
-        if body.state != LIVE or body.unsettled or body.held or not body.touches or not is_quiet(body, limits):
+        if body.state != LIVE or body.unsettled or body.held or not body.touches:
             continue
         dwell = _dwell(body, body.rest_s, limits)
         patience = _patience(body, limits)

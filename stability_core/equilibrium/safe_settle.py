@@ -24,7 +24,7 @@ from stability_core.equilibrium.region import (
 from stability_core.frame_buffers import AT_REST, LEANING, FrameBuffers, listed
 from stability_core.polygon import width
 from stability_core.port import GROUND, FloatArray, IntArray
-from stability_core.settings import Limits
+from stability_core.settings import ROUNDING_S, Limits
 from stability_core.settle import lay_due, lay_frozen, lowest_first, write_down
 from stability_core.stack import FROZEN, LIVE, NONE, SUPPORT, TOPPLES, Bodies, Graph, Patches, sorted_ids, take_changed
 from stability_core.stack_mass import support_polygon
@@ -39,7 +39,29 @@ SAFE, LEFT, UNSOLVED = range(3)
 
 
 @compiled
-def _list_stacked(graph: Graph, buffers: FrameBuffers) -> None:
+def _is_ready(body: Bodies, limits: Limits) -> bool:
+    """Return True if a body is at rest, and no blow has shaken the live bodies around it for ``quiet_s``."""
+    return bool(body.is_resting and body.quiet_s >= limits[0].quiet_s - ROUNDING_S)
+
+
+@compiled
+def _leave_shaken(graph: Graph, buffers: FrameBuffers, limits: Limits) -> None:
+    """Take the shaken bodies from the lists AT_REST and LEANING: O(listed).
+
+    Blows shake a pile while bodies are poured onto it, and would unfreeze what freezes between two blows.
+    """
+    for rule in (AT_REST, LEANING):
+        bodies = buffers.worklist[rule]
+        kept = 0
+        for body in listed(buffers, rule):
+            if graph.bodies[body].quiet_s >= limits[0].quiet_s - ROUNDING_S:
+                kept += 1
+                bodies[kept] = body
+        bodies[0] = kept
+
+
+@compiled
+def _list_stacked(graph: Graph, buffers: FrameBuffers, limits: Limits) -> None:
     """Add to the list AT_REST the bodies at rest that stand on its bodies, directly or through other bodies: O(added).
 
     Therefore a stack at rest freezes in one frame, at any height.
@@ -56,7 +78,12 @@ def _list_stacked(graph: Graph, buffers: FrameBuffers) -> None:
         while at != NONE:
             upper, kind = patches[at].upper, patches[at].kind
             at = patches[at].next_load
-            if kind == SUPPORT and not reached[upper] and bodies[upper].state == LIVE and bodies[upper].is_resting:
+            if (
+                kind == SUPPORT
+                and not reached[upper]
+                and bodies[upper].state == LIVE
+                and _is_ready(bodies[upper], limits)
+            ):
                 reached[upper] = True
                 at_rest[0] += 1
                 at_rest[at_rest[0]] = upper
@@ -109,7 +136,7 @@ def _on_edge(graph: Graph, candidates: IntArray, flat_width: float) -> IntArray:
 
 
 @compiled
-def _with_resting(graph: Graph, candidates: IntArray) -> IntArray:
+def _with_resting(graph: Graph, candidates: IntArray, limits: Limits) -> IntArray:
     """Return the ``candidates``, and the live bodies at rest below, directly or indirectly, by rising id.
 
     Bodies that hold each other must freeze together, although these bodies may come to rest at different times.
@@ -127,7 +154,12 @@ def _with_resting(graph: Graph, candidates: IntArray) -> IntArray:
         while at != NONE:
             other = patches[at].lower
             at = patches[at].next_support
-            if other != GROUND and not reached[other] and bodies[other].state == LIVE and bodies[other].is_resting:
+            if (
+                other != GROUND
+                and not reached[other]
+                and bodies[other].state == LIVE
+                and _is_ready(bodies[other], limits)
+            ):
                 reached[other] = True
                 found[size] = other
                 size += 1
@@ -212,12 +244,17 @@ def settle_safely(
     """
     graph = Graph(bodies, patches, spare, changed)
     buffers = FrameBuffers(contacts, sizes, latest, clock, worklist)
-    if buffers.worklist[AT_REST, 0] > 0:
-        _list_stacked(graph, buffers)
+    if buffers.worklist[AT_REST, 0] + buffers.worklist[LEANING, 0] > 0:
+        _leave_shaken(graph, buffers, limits)
+        _list_stacked(graph, buffers, limits)
     lay_due(graph, buffers, limits)
     frozen, left = _freeze_safely(graph, regions, lowest_first(graph, listed(buffers, AT_REST)))
     on_edge = _on_edge(graph, listed(buffers, LEANING), limits[0].flat_width)
     safe = write_down(found[SAFE], frozen)
     if len(left) + len(on_edge) > 0:
-        return safe, write_down(found[LEFT], _with_resting(graph, np.unique(np.concatenate((left, on_edge))))), 0
+        return (
+            safe,
+            write_down(found[LEFT], _with_resting(graph, np.unique(np.concatenate((left, on_edge))), limits)),
+            0,
+        )
     return safe, 0, finish(graph, regions, buffers, limits, found[UNSOLVED])

@@ -35,6 +35,9 @@ class Policy(ABC):
     """True if the policy tests the stability of bodies before a freeze. ``adopt`` needs this test,
     because the bodies have not yet been at rest."""
 
+    waits_while_shaken: ClassVar[bool] = False
+    """True if a shaken body waits until no blow has shaken the live bodies around it for ``quiet_s``."""
+
     def __init__(self, gravity: float, settings: Settings) -> None:
         """Set gravity and tolerances.
 

@@ -89,6 +89,7 @@ class Equilibrium(Policy):
     """Policy that freezes bodies with a proof of equilibrium, and unfreezes bodies that take part in a collapse."""
 
     name = "equilibrium"
+    waits_while_shaken = True
 
     def __init__(self, gravity: float, settings: Settings) -> None:
         """Set gravity and tolerances.
