@@ -13,7 +13,7 @@ FALL = (0.0, 0.0, -1.0)
 """Velocity of a body that lands [m/s]: a hard blow on a body of this size."""
 REST_FRAMES = 8
 """Frames until a body at rest has frozen."""
-QUIET_FRAMES = round(Settings().quiet_s / DT)
+CALM_FRAMES, QUIET_FRAMES = round(Settings().calm_s / DT), round(Settings().quiet_s / DT)
 
 
 def row_of_blocks(port, count: int) -> None:
@@ -109,3 +109,13 @@ def test_another_pile_does_not_wait(port, extension):
     port.lay(7, GROUND, [5.0 + i for i in X], Y, 0.0)
     drop_on(port, extension, 0)
     assert run(extension, REST_FRAMES + 2) == [7]
+
+
+def test_a_policy_that_solves_no_statics_does_not_wait(port):
+    row_of_blocks(port, 3)
+    extension = StabilityExtension(port, "at_rest")
+    run(extension, REST_FRAMES)
+    strike(port, extension, 1)
+    run(extension, REST_FRAMES + 2)
+    strike(port, extension, 1)
+    assert 1 in run(extension, REST_FRAMES + CALM_FRAMES), "it waits only because it has unfrozen twice"
