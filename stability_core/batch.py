@@ -10,7 +10,7 @@ import numpy as np
 from stability_core.manifold import supports_as_bits
 from stability_core.policies.base import NOBODY, Policy
 from stability_core.port import IntArray, StabilityPort
-from stability_core.stack import FROZEN, LIVE, MOVING, PROVEN, around, drop_supports
+from stability_core.stack import FROZEN, LIVE, MOVING, PROVEN, around, drop_frozen_loads, drop_supports
 from stability_core.world import World
 
 
@@ -49,7 +49,7 @@ def unfreeze(world: World, row: int) -> None:
 class Batch:
     """The bodies to freeze and the bodies to unfreeze in one frame, by row, each with its reason."""
 
-    __slots__ = ("_policy", "_world", "deferred", "frozen", "woken")
+    __slots__ = ("_policy", "_world", "deferred", "frozen", "is_unfinished", "woken")
 
     def __init__(self, world: World, policy: Policy) -> None:
         """Start an empty batch for the bodies of ``world``, which the ``policy`` judges."""
@@ -57,6 +57,8 @@ class Batch:
         self.frozen: dict[int, str] = {}
         self.woken: dict[int, str] = {}
         self.deferred = NOBODY
+        self.is_unfinished = False
+        """True if the next update must judge frozen bodies that lost a contact."""
 
     def wake(self, reasons: Mapping[int, str]) -> None:
         """Unfreeze the bodies whose rows are the keys of ``reasons``, but not the bodies on them."""
@@ -67,15 +69,18 @@ class Batch:
     def wake_above(self, roots: IntArray, reason: str) -> None:
         """Unfreeze the frozen bodies among the ``roots``, shape (k,), and the frozen bodies that rest on them.
 
-        If this batch also freezes one of these bodies, ``hand_over`` sends neither sleep nor wake for this body.
+        Frozen bodies that only touch these bodies lose their patches on them. If this batch also freezes one of these
+        bodies, ``hand_over`` sends neither sleep nor wake for this body.
         """
         graph = self._world.graph
-        for row in self._policy.resting_on(graph, roots).tolist():
+        rows = self._policy.resting_on(graph, roots)
+        for row in rows.tolist():
             if graph.bodies["state"][row] == FROZEN:
                 unfreeze(self._world, row)
                 graph.bodies["wakes"][row] += 1
                 if self.frozen.pop(row, None) is None:
                     self.woken[row] = reason if row in roots else f"rested on what was {reason}"
+        self.is_unfinished |= drop_frozen_loads(graph, rows) > 0
 
     def wake_struck(self, struck: IntArray) -> None:
         """Unfreeze the ``struck`` bodies, shape (k,), and the bodies on them.

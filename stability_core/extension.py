@@ -372,6 +372,7 @@ class StabilityExtension:
             self._is_pending |= len(batch.woken) > 0
             raise
         self._reasons.update(change.reasons)
+        self._is_pending |= batch.is_unfinished
         return change
 
     def _detach(self, row: int) -> None:

@@ -292,6 +292,24 @@ def drop_loads(graph: Graph, body: int) -> None:
 
 
 @compiled
+def drop_frozen_loads(graph: Graph, unfrozen: IntArray) -> int:
+    """Remove the patches of frozen bodies on the ``unfrozen`` bodies (k,), and return their number.
+
+    The frozen bodies count as changed, so that the policy judges them again without these patches.
+    """
+    bodies, patches = graph.bodies, graph.patches
+    dropped = 0
+    for body in unfrozen:
+        at = bodies[body].first_load
+        while at != NONE:
+            here, at = at, patches[at].next_load
+            if bodies[patches[here].upper].state == FROZEN:
+                unlink(graph, here)
+                dropped += 1
+    return dropped
+
+
+@compiled
 def axes_of(normal: FloatArray) -> FloatArray:
     """Return right-handed perpendicular unit vectors as rows, shape (3, 3). The last row is the unit ``normal``."""
     axes = np.zeros((3, 3))

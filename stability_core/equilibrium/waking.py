@@ -34,7 +34,7 @@ def resting_on(graph: Graph, memory: Memory, regions: Regions, roots: IntArray, 
     """Return ``roots`` and the frozen bodies that rest on them, as ``stack.with_all_above``, shape (k,).
 
     A body that only touches another body does not rest on it. If its balance needs the contact nevertheless, the
-    policy finds that out once the other body has moved.
+    next frame finds that out, because ``stack.drop_frozen_loads`` removes the contact.
     """
     bodies, patches = graph.bodies, graph.patches
     reached = np.zeros(len(bodies), np.bool_)

@@ -45,6 +45,25 @@ def test_the_column_beside_stays_frozen(port, extension):
     assert extension.wake([1]).woken == (1, 2, 3, 4), "the blocks above, and no block of the column beside"
 
 
+def test_a_body_that_stays_frozen_forgets_the_contact_and_is_judged_without_it(port, extension):
+    columns(port, 5)
+    freeze(port, extension)
+    extension.wake([0])
+    for body in range(5):
+        x, y, z = port.center[body]
+        port.center[body] = (x - 1.0, y, z)
+    port.touches = [touch for touch in port.touches if touch.lower not in range(5) and touch.upper not in range(5)]
+    for level in range(5):
+        port.lay(level, level - 1 if level else GROUND, [i - 1.0 for i in X], Y, 0.02 * level)
+    assert extension.update(DT).woken == ()
+    for _ in range(4 * REST_FRAMES):
+        extension.update(DT)
+    assert port.frozen == port.mass.keys(), "the column stands a metre away"
+    assert extension.wake([0, 1]).woken == (0, 1, 2, 3, 4)
+    port.remove(5)
+    assert extension.update(DT).woken == (6, 7, 8, 9)
+
+
 def test_every_body_of_a_column_wakes_with_its_foot(port, extension):
     columns(port, 5, count=1)
     freeze(port, extension)
