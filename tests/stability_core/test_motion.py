@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stability_core.frame_arrays import MassArrays
-from stability_core.motion import list_shifted_loads, track
+from stability_core.motion import list_shifted_loads, time_at_rest, track
 from stability_core.settings import Settings
 from stability_core.stack import ABSENT, BODY, FROZEN, LIVE
 
@@ -107,3 +107,12 @@ def test_a_new_support_counts_at_once_and_a_lost_one_only_after_the_dwell_time(b
         assert not listed(bodies)
     load["supported_by"] = 2
     assert any(listed(bodies) for _ in range(2 * frames))
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_a_held_body_is_never_at_rest_however_long_it_keeps_its_place(bodies, held):
+    bodies["state"], bodies["size"] = LIVE, 1.0
+    bodies[1]["held"] = held
+    for _ in range(round((SETTINGS.still_s + SETTINGS.rest_s) / DT) + 1):
+        time_at_rest(bodies, np.array([1]), SETTINGS.limits(9.81)[0], DT)
+    assert bodies[1]["is_resting"] != held
